@@ -187,15 +187,20 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
   const double f = omega() / kTwoPi;
   for (const double line : kMainsFundamentals_hz)
     for (int h = 1; h <= harmonics(); ++h) {
+      std::vector<std::string> channels;
       std::string names;
       for (int c = 0; c < live.count(); ++c)
-        if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
-          names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
+        if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds) {
+          channels.push_back(rig.channels[static_cast<std::size_t>(c)].name);
+          names.append(names.empty() ? "" : ", ").append(channels.back());
+        }
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
-      dwell.warnings.push_back(
-          {WarningKind::hum, "hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
-                                 std::to_string(h) + " in " + names + ": choose another frequency or sampling rate"});
+      dwell.warnings.push_back({WarningKind::hum,
+                                "hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                                    std::to_string(h) + " in " + names + ": choose another frequency or sampling rate",
+                                {},
+                                std::move(channels)});
     }
 }
 
@@ -256,7 +261,8 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
       axis_s(with_open || to == 0 ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns));
   for (int c = 0; c < live.count(); ++c) {
     const auto warn = [&](const std::string& of) {
-      dwell.warnings.push_back({WarningKind::readings, rig.channels[static_cast<std::size_t>(c)].name + ": " + of});
+      const std::string& name = rig.channels[static_cast<std::size_t>(c)].name;
+      dwell.warnings.push_back({WarningKind::readings, name + ": " + of, {}, {name}});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
     if (!(results[static_cast<std::size_t>(c)].quantization_u > 0)) continue;  // noise smooths the steps of rounding

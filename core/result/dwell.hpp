@@ -90,6 +90,8 @@ struct Doubt {
 struct Warning {
   WarningKind kind = WarningKind::other;
   std::string what;
+  std::vector<int> elements = {};          // k of those that it names
+  std::vector<std::string> channels = {};  // names of those that it names
   [[nodiscard]] bool operator==(const Warning&) const = default;
 };
 // How the text of a `not_settled` begins; Dwell::settling_reason follows.

@@ -31,7 +31,7 @@ function contentOf(d, from) {
   const model = modelOf({ ...d, state: 'complete' }, null);
   return [
     h('ul', { class: 'notes' }, ...(from ? [h('li', { 'data-tone': from.tone }, from.text)] : []), ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${whom([doubt])}: ${doubt.what}`)),
-    ...d.warnings.filter((text) => !d.doubts.some((doubt) => doubt.what === text)).map((text) => h('li', { 'data-tone': 'care' }, text))),
+    ...d.warnings.filter((_, i) => d.warned[i].kind !== 'doubt').map((text) => h('li', { 'data-tone': 'care' }, text))),
     h('ul', { class: 'plain' }, ...d.elements.map((e) => elementItem(d, e))),
     h('dl', { class: 'facts' },
       line('data', settled ? `${secondsText(d.settled_s, 2)} to ${secondsText(d.end_s, 2)} of the run` : 'never settled'),

@@ -42,11 +42,13 @@ export function limitsText(dwell) {
   return { text: parts.length > 0 ? parts.join(', ') : 'all kept', tone: violated ? 'alarm' : 'calm' };
 }
 
-// How many warnings a dwell has beside its doubts; that it has not settled is its state. null: none.
-export function warningsText(dwell) {
-  const n = (dwell?.warnings ?? []).filter((text) => !text.startsWith('not settled: ') && !dwell.doubts.some((doubt) => doubt.what === text)).length;
-  return n === 0 ? null : String(n);
-}
+// The warnings of a dwell beside its doubts: { text, kind, elements, channels } as the service tells them. That it has not
+// settled is its state.
+export const warningsOf = (dwell) => dwell.warnings.map((text, i) => ({ text, ...dwell.warned[i] }))
+  .filter(({ kind }) => kind !== 'doubt' && kind !== 'not settled');
+
+// How many these are. null: none.
+export const warningsText = (dwell) => (dwell && warningsOf(dwell).length > 0 ? String(warningsOf(dwell).length) : null);
 
 // The state as the page must show it. view: { dwell, health, fresh, now, refused: nobody is logged
 // in, and nothing may be read }; dwell and health may be null.

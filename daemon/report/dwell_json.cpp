@@ -79,6 +79,35 @@ Json limit_value(const JudgedLimit& limit, Motion motion) {
           {"reason", json_text(limit.reason)}};
 }
 
+constexpr const char* kDoubtKind = "doubt";  // beside the words of WarningKind
+
+// Of what each line of `warnings` warns.
+Json warned(const char* kind, const std::vector<int>& elements, const std::vector<std::string>& channels) {
+  return {{"kind", kind}, {"elements", elements}, {"channels", channels}};
+}
+
+// `warnings`, `warned` and `doubts`.
+void add_warnings(const Dwell& dwell, Json& object) {
+  Json texts = Json::array(), kinds = Json::array(), doubts = Json::array();
+  for (const Doubt& doubt : dwell.doubts) {
+    doubts.push_back({{"elements", doubt.elements}, {"what", doubt.what}});
+    texts.push_back(doubt.what);  // for whoever reads only these
+    kinds.push_back(warned(kDoubtKind, doubt.elements, {}));
+  }
+  for (const Warning& warning : dwell.warnings) {
+    texts.push_back(warning.what);
+    kinds.push_back(warned(to_string(warning.kind), warning.elements, warning.channels));
+  }
+  // A reader who sees no coefficients must find the reason where the interface promises it.
+  if (!std::isfinite(dwell.settled_s) && texts.empty()) {
+    texts.push_back(kNotSettled + (dwell.settling_reason.empty() ? "no reason stated" : dwell.settling_reason));
+    kinds.push_back(warned(to_string(WarningKind::not_settled), {}, {}));
+  }
+  object["warnings"] = std::move(texts);
+  object["warned"] = std::move(kinds);
+  object["doubts"] = std::move(doubts);
+}
+
 }  // namespace
 
 Json json_element(const ElementEstimate& e, Motion motion, Detail detail) {
@@ -152,18 +181,7 @@ Json json_value(const DwellView& view, Detail detail) {
   for (const JudgedLimit& limit : view.limits) object["limits"].push_back(limit_value(limit, view.motion));
   if (detail == Detail::whole) object["covariance"] = settled ? json_square(d.covariance) : Json::array();
 
-  Json doubts = Json::array(), warnings = Json::array();
-  for (const Doubt& doubt : d.doubts) {
-    doubts.push_back({{"elements", doubt.elements}, {"what", doubt.what}});
-    warnings.push_back(doubt.what);  // for whoever reads only these
-  }
-  for (const Warning& warning : d.warnings) warnings.push_back(warning.what);
-  // A reader who sees no coefficients must find the reason where the interface promises it.
-  if (!settled && warnings.empty()) {
-    warnings.push_back(kNotSettled + (d.settling_reason.empty() ? "no reason stated" : d.settling_reason));
-  }
-  object["warnings"] = std::move(warnings);
-  object["doubts"] = std::move(doubts);
+  add_warnings(d, object);
   object["unstated"] = d.unstated;
   object["motion"] = view.transient ? json_value(*view.transient, detail) : Json(nullptr);
   object["motion_reason"] = json_text(view.transient ? view.transient->estimate.reason : "");

@@ -141,9 +141,27 @@ std::optional<LiveAge> age_of(const Json& value) {
   return LiveAge{real_of(value, "estimate_age_s"), boolean_of(value, "stale")};
 }
 
-// The interface has the text alone. Of all kinds only this one is treated in another way.
-WarningKind kind_of(const std::string& warning) {
-  return warning.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::other;
+// A line of `warnings` that is no doubt. told: its entry of `warned`; null: of a program that told the text alone. Then
+// only the kind that is treated in another way is recognized.
+Warning warning_of(const std::string& text, const Json* told) {
+  if (told == nullptr)
+    return {text.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::other, text, {}, {}};
+  Warning warning{named(string_of(*told, "kind"), "kind", WarningKind::any_motion), text, {}, {}};
+  for (const Json& k : array_of(*told, "elements")) warning.elements.push_back(integer(k, "elements"));
+  warning.channels = strings_of(*told, "channels");
+  return warning;
+}
+
+// The doubts come first among the warnings, repeated for whoever reads only these.
+std::vector<Warning> warnings_of(const Json& value, std::size_t doubts) {
+  const std::vector<std::string> texts = strings_of(value, "warnings");
+  if (texts.size() < doubts) fail("warnings", "the doubts, repeated");
+  const Json* const told = value.contains("warned") ? &array_of(value, "warned") : nullptr;
+  if (told != nullptr && told->size() != texts.size()) fail("warned", "one entry for each of the warnings");
+  std::vector<Warning> warnings;
+  for (std::size_t i = doubts; i < texts.size(); ++i)
+    warnings.push_back(warning_of(texts[i], told != nullptr ? &(*told)[i] : nullptr));
+  return warnings;
 }
 
 DwellView parse(const Json& value) {
@@ -177,11 +195,7 @@ DwellView parse(const Json& value) {
     for (const Json& k : array_of(entry, "elements")) doubt.elements.push_back(integer(k, "elements"));
     doubt.what = string_of(entry, "what");
   }
-  const std::vector<std::string> warnings = strings_of(value, "warnings");
-  // The doubts come first among the warnings, repeated for whoever reads only these.
-  if (warnings.size() < d.doubts.size()) fail("warnings", "the doubts, repeated");
-  for (std::size_t i = d.doubts.size(); i < warnings.size(); ++i)
-    d.warnings.push_back({kind_of(warnings[i]), warnings[i]});
+  d.warnings = warnings_of(value, d.doubts.size());
   d.unstated = strings_of(value, "unstated");
   view.transient = motion_of(value);
   view.model = model_of(value);

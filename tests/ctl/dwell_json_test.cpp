@@ -24,7 +24,7 @@ Json sample_json() { return json_value(make_view(test::sample_dwell(), test::sam
 using Names = std::vector<std::string>;
 
 // The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `u_relative_phase_rad`, `sigma`,
-// `samples`, `valid`, `doubts`, `unstated`, `motion_reason`, `model` extend it.
+// `samples`, `valid`, `kind`, `channel`, `warned`, `doubts`, `unstated`, `motion_reason`, `model` extend it.
 TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   const Json dwell = sample_json();
   EXPECT_EQ(names_of(dwell), (Names{"index",        "state",           "start_s",
@@ -33,8 +33,9 @@ TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
                                     "settles_in_s", "settling_reason", "rig_sha256",
                                     "version",      "frequency_hz",    "t_ref_s",
                                     "phasors",      "elements",        "covariance",
-                                    "warnings",     "doubts",          "unstated",
-                                    "motion",       "motion_reason",   "model"}));
+                                    "warnings",     "warned",          "doubts",
+                                    "unstated",     "motion",          "motion_reason",
+                                    "model"}));
   EXPECT_EQ(names_of(dwell["frequency_hz"]), (Names{"value", "u"}));
   EXPECT_EQ(names_of(dwell["phasors"][0]),
             (Names{"channel", "unit", "amplitude", "phase_rad", "u_amplitude", "u_phase_rad", "u_relative_phase_rad",
@@ -129,6 +130,26 @@ TEST(DwellJson, DoubtsNameTheirElementsAndAreRepeatedAsWarningsOnce) {
   EXPECT_EQ(back->dwell.unstated, dwell.unstated);
 }
 
+TEST(DwellJson, AWarningTellsItsKindAndWhatItConcerns) {
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{1, 3}, "the poles contradict the chain"}};
+  dwell.warnings = {{WarningKind::nonlinear, "element 3 is not linear", {3}, {}},
+                    {WarningKind::hum, "hum in y0, y1", {}, {"y0", "y1"}}};
+  const Json json = json_value(make_view(dwell, test::sample_rig(), {}));
+  EXPECT_EQ(json["warned"], Json::parse(R"([{"kind":"doubt","elements":[1,3],"channels":[]},
+                                            {"kind":"nonlinear","elements":[3],"channels":[]},
+                                            {"kind":"hum","elements":[],"channels":["y0","y1"]}])"));
+  const auto back = dwell_from_json(json);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(back->dwell.warnings, dwell.warnings);
+}
+
+TEST(DwellJson, ADwellThatHasNotSettledSaysSoByTheKindOfItsWarning) {
+  const Json json = json_value(make_view(test::settling_dwell(), test::sample_rig(), {}));
+  ASSERT_EQ(json["warned"].size(), 1U);
+  EXPECT_EQ(json["warned"][0]["kind"], "not settled");
+}
+
 TEST(DwellJson, AShareOfABudgetTellsItsKindAndWhoseItIs) {
   Dwell dwell = test::sample_dwell();
   dwell.elements[0].budget = {{"turnaround of amplifier (y0, y1)", 0.5, 0.5, SourceKind::turnaround, {}, "amplifier"},
@@ -146,6 +167,23 @@ TEST(DwellJson, AShareOfABudgetTellsItsKindAndWhoseItIs) {
   const auto back = dwell_from_json(json);
   ASSERT_TRUE(back) << back.error();
   EXPECT_EQ(json_value(*back)["elements"], json["elements"]);
+}
+
+// Run files of older programs are read as well.
+TEST(DwellJson, AResultOfAProgramThatKnewNoKindsIsRead) {
+  Json json = json_value(make_view(test::settling_dwell(), test::sample_rig(), {}));
+  json.erase("warned");
+  const auto settling = dwell_from_json(json);
+  ASSERT_TRUE(settling) << settling.error();
+  EXPECT_EQ(settling->dwell.warnings[0].kind, WarningKind::not_settled);
+  json = sample_json();
+  for (Json& share : json["elements"][0]["budget"]) {
+    share.erase("kind");
+    share.erase("channel");
+  }
+  const auto measured = dwell_from_json(json);
+  ASSERT_TRUE(measured) << measured.error();
+  EXPECT_EQ(measured->dwell.elements[0].budget[0].kind, SourceKind::other);
 }
 
 TEST(DwellJson, IdleHasNoIndexAndOnlyACompleteDwellSaysWhatEndedIt) {

@@ -81,7 +81,7 @@ Dwell sample_dwell() {
   e3.damping = {0.21, 0.4, 3100.0, 0.79, false};
   d.elements = {e1, e2, e3};
   d.covariance = {196.0, 0.1, 0.0, 0.0, 0.1, 0.16, 0.0, 0.0, 0.0, 0.0, 9920.16, 0.0, 0.0, 0.0, 0.0, 0.16};
-  d.warnings = {{WarningKind::other, "channel y2 is stale: timeout"}};
+  d.warnings = {{WarningKind::readings, "channel y2 is stale: timeout", {}, {"y2"}}};
   return d;
 }
 

@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { check } from './accessible.js';
 import { joined, numberText } from '../../daemon/page/number.mjs';
-import { dwellOf } from './sample.js';
+import { dwellOf, warningOf } from './sample.js';
 import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES, TOKEN, until } from './bench.js';
 
 function recordingWithToken(text, folder) {
@@ -132,7 +132,7 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
   let end_s = 3; // of a dwell that goes on: numbers that grew old would add a line to the head
   const dwell = await bench.get('/api/v1/dwell');
   await page.route('**/api/v1/stream*', (route) => route.fulfill({ contentType: 'text/event-stream',
-    body: `retry: 200\nevent: dwell\ndata: ${JSON.stringify({ ...dwell, index: 1, state: 'measuring', settled_s: 1, verdict_s: 2, end_s: end_s++, warnings: rows, doubts: [], unstated: [], phasors: [],
+    body: `retry: 200\nevent: dwell\ndata: ${JSON.stringify({ ...dwell, index: 1, state: 'measuring', settled_s: 1, verdict_s: 2, end_s: end_s++, ...warningOf(rows),  unstated: [], phasors: [],
       elements: Array.from({ length: 30 }, (_, i) => ({ k: i + 1, identifiable: false, budget: [],
         reason: `the deformation (${i}.2 µm) is less than three times its uncertainty: drive it harder, or nearer to a resonance in which it deforms` })) })}\n\n` }));
   await page.goto(`${bench.url}/?kiosk`);
@@ -149,7 +149,7 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
     for (const b of all.slice(i + 1)) assert.ok(a.left !== b.left || a.bottom <= b.top + 1, 'none overlaps');
   });
   if (process.env.DWELL_PICTURES) await page.screenshot({ path: join(process.env.DWELL_PICTURES, 'withheld-wall.png') });
-  rows = Array.from({ length: 30 }, (_, i) => `a warning of the dwell, number ${i}`);
+  rows = Array.from({ length: 30 }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }));
   // Where the head has a line more, as of a clock that is not synchronized, the last elements may be named too.
   await page.locator('#beyond', { hasText: /^▼ no room here for: (elements? [\d …]+, )?warnings of the dwell/ }).waitFor();
   await page.close();

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { frequencyText, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
-import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
+import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 function viewOf(dwell, more = {}) {
   const fresh = toldFreshness();
@@ -170,8 +170,9 @@ test('limits and warnings of the dwell are counted for the head, acknowledged or
   assert.deepEqual(of('kept'), { text: 'all kept', tone: 'calm' });
   assert.equal(of(), null);
   assert.equal(limitsText(idleOf({ limits: [{ verdict: 'none' }] })), null);
-  assert.equal(warningsText(dwellOf({ warnings: ['a', 'b', 'c'], doubts: [{ elements: [1], what: 'a' }] })), '2');
-  assert.equal(warningsText(dwellOf({ warnings: ['a'] })), '1');
+  const warnings = ['a', 'b'].map((text) => ({ kind: 'hum', text }));
+  assert.equal(warningsText(dwellOf(warningOf(warnings, [{ elements: [1], what: 'a' }]))), '2', 'a doubt is none, whatever its words');
+  assert.equal(warningsText(dwellOf(warningOf(warnings.slice(1)))), '1');
   assert.equal(warningsText(idleOf()), null, 'that it has not settled is its state');
 });
 
