@@ -76,6 +76,7 @@ Json limit_value(const JudgedLimit& limit, Motion motion) {
           {"high", json_number(limit.bounds.high)},
           {"unit", stiffness ? stiffness_unit(motion) : damping_unit(motion)},
           {"verdict", to_string(limit.verdict)},
+          {"doubted", limit.doubted},
           {"reason", json_text(limit.reason)}};
 }
 
