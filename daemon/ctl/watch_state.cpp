@@ -64,16 +64,10 @@ std::optional<std::int64_t> state_since(const Json& events, State state) {
   const Json* const list = member_of(events, "events");
   if (list == nullptr || !list->is_array()) return std::nullopt;
   for (auto event = list->rbegin(); event != list->rend(); ++event) {
-    const std::string text = text_member(*event, "text");
-    if (text.rfind("state ", 0) != 0) continue;
-    // "state BEFORE -> NOW, …": the newest of them tells.
-    const std::string arrow = std::string(" -> ") + to_string(state);
-    const auto at = text.find(arrow);
+    const std::string began = text_member(*event, "state");
+    if (began.empty()) continue;  // it tells of no change of state
     const auto utc_ns = record::parse_utc(text_member(*event, "utc"));
-    if (at == std::string::npos || !utc_ns) return std::nullopt;
-    const auto end = at + arrow.size();
-    if (end < text.size() && text[end] != ',' && text[end] != ':') return std::nullopt;
-    return *utc_ns;
+    return began == to_string(state) && utc_ns ? std::optional(*utc_ns) : std::nullopt;
   }
   return std::nullopt;
 }

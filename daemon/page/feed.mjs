@@ -152,7 +152,7 @@ export class Feed {
     if (events.next < this.#nextEvent) this.events = [];
     if (events.next < this.#nextEvent && events.events.length === 0) this.#nextEvent = 0;
     else this.#nextEvent = events.next;
-    this.events = [...this.events, ...events.events.map(withState)].slice(-KEPT_EVENTS);
+    this.events = [...this.events, ...events.events].slice(-KEPT_EVENTS);
 
     const run = this.dwell?.start_utc;
     // The model of a dwell may be verified after its end: then that dwell is asked for once more.
@@ -170,10 +170,4 @@ export class Feed {
     await this.#askWhyUnverified();
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
   }
-}
-
-// What a line tells of a change of state.
-function withState(event) {
-  const state = event.text.match(/^state \w+ -> (\w+)/)?.[1];
-  return state ? { ...event, kind: 'state', state } : event;
 }

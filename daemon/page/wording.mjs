@@ -130,7 +130,7 @@ export function sinceMs(dwell, events) {
   if (dwell.state === 'settling') return utcMs(dwell, dwell.start_s);
   if (dwell.state === 'measuring') return utcMs(dwell, dwell.verdict_s);
   if (dwell.state === 'complete') return utcMs(dwell, dwell.end_s);
-  const newest = events.findLast((event) => event.kind === 'state');
+  const newest = events.findLast((event) => event.state !== null);
   return newest?.state === dwell.state && newest.utc ? Date.parse(newest.utc) : null;
 }
 

@@ -181,7 +181,7 @@ export class ScriptedService {
   #events(from) {
     const next = EVENTS + 1 + Math.floor(this.#s / EVENT_S);
     const first = Math.max(from, next - EVENTS);
-    return { next, events: Array.from({ length: next - first }, (_, i) => ({ number: first + i, utc: this.#utc((first + i - EVENTS) * EVENT_S), level: 'info',
+    return { next, events: Array.from({ length: next - first }, (_, i) => ({ number: first + i, utc: this.#utc((first + i - EVENTS) * EVENT_S), level: 'info', state: null,
       text: `sample clock of amplifier: ${first + i} readings late` })) };
   }
   #traces() {

@@ -126,7 +126,8 @@ test('since when: from the dwell, while idle from the events', () => {
   assert.equal(sinceMs(settlingOf(), []), at + 10000);
   assert.equal(sinceMs(dwellOf({ state: 'complete' }), []), at + 22000);
   assert.equal(sinceMs(idleOf(), []), null);
-  const events = [{ kind: 'state', state: 'settling', utc: '2026-11-23T06:00:00Z' }, { kind: 'state', state: 'idle', utc: '2026-11-23T07:00:07Z' }];
+  const events = [{ state: 'settling', utc: '2026-11-23T06:00:00Z' }, { state: 'idle', utc: '2026-11-23T07:00:07Z' },
+    { state: null, utc: '2026-11-23T07:00:09Z', text: 'state of the art' }];
   assert.equal(sinceMs(idleOf(), events), at + 7000);
   assert.equal(sinceMs(idleOf({ state: 'fault' }), events), null);
 });
