@@ -13,7 +13,7 @@ namespace {
 // from one answer to the next.
 std::string stale_reason(const ServiceView& now) {
   for (const Trouble& trouble : now.health.troubles)
-    if (trouble.name == kServiceTrouble) return "stale: the service itself does not work: " + trouble.text;
+    if (trouble.kind == TroubleKind::service) return "stale: the service itself does not work: " + trouble.text;
   return now.snapshot.sequence == 0 ? "the estimation has not published anything yet"
                                     : "stale: the estimation publishes nothing new";
 }

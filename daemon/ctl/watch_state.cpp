@@ -27,10 +27,8 @@ std::vector<ChannelState> channel_states(const Json& list) {
   for (const Json& item : list) {
     ChannelState channel;
     channel.name = text_member(item, "name");
-    channel.status = text_member(item, "status");
-    if (channel.status == "ok") channel.status.clear();
-    const std::string reason = text_member(item, "reason");
-    if (!reason.empty() && reason != channel.status) channel.status += (channel.status.empty() ? "" : ": ") + reason;
+    if (text_member(item, "status") != "ok" || !text_member(item, "reason").empty())
+      channel.status = text_member(item, "text");
     channel.age_s = number_member(item, "age_s");
     channels.push_back(std::move(channel));
   }

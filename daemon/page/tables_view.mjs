@@ -36,7 +36,7 @@ function showChannels({ channels, health, fresh, now }) {
     const overdue = c.calibration?.overdue === true;
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
     return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s,
-      cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
+      cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, c.text,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,
         count(c.received), count(c.dropped), count(c.lost), count(c.gaps), calibrationText(c.calibration)] };

@@ -157,28 +157,20 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   if (channels && fresh.answersOld(now))
     add('alarm', `channels, devices and alarms are ${ageText(fresh.answersAge_s(now))} old: the service does not tell of them`);
   const alike = new Map();
-  const quiet = new Map(); // channels whose own status is no trouble, by the name that a trouble of theirs has
+  const fails = (name, why) => alike.set(why, [...(alike.get(why) ?? []), name]);
+  const quiet = new Set(); // channels whose own status is no trouble
   for (const channel of channels ?? []) {
-    if (isWell(channel)) {
-      quiet.set(`channel:${channel.name}`, channel.name);
-      continue;
-    }
-    const why = !channel.reason ? channel.status : channel.reason.startsWith(channel.status) ? channel.reason : `${channel.status}, ${channel.reason}`;
-    alike.set(why, [...(alike.get(why) ?? []), channel.name]);
+    if (isWell(channel)) quiet.add(channel.name);
+    else fails(channel.name, channel.text);
   }
-  for (const trouble of health?.troubles ?? []) {
-    const front = `channel ${quiet.get(trouble.name)}: `;
-    if (!trouble.text.startsWith(front)) continue;
-    const why = trouble.text.slice(front.length);
-    alike.set(why, [...(alike.get(why) ?? []), quiet.get(trouble.name)]);
-    quiet.delete(trouble.name);
-  }
+  for (const trouble of health?.troubles ?? [])
+    if (trouble.kind === 'channel' && quiet.has(trouble.channel)) fails(trouble.channel, trouble.why);
   for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);
   // Of the service's troubles only those that the page tells nowhere else: of a channel whose own status is fine, and of
   // the dwell while it is measured. Others stand in the state, beside a number, or are added here below.
   for (const trouble of health?.troubles ?? []) {
-    if (trouble.name.startsWith('calibration:')) add('care', trouble.text);
-    if (quiet.has(trouble.name) || (trouble.name === 'dwell' && dwell.state === 'measuring')) add('alarm', trouble.text);
+    if (trouble.kind === 'calibration') add('care', trouble.text);
+    if (trouble.kind === 'dwell' && dwell.state === 'measuring') add('alarm', trouble.text);
   }
   for (const [name, line] of Object.entries(health?.gpio ?? {})) {
     if (!line.works) add('alarm', `GPIO ${name}: ${line.reason ?? 'does not work'}`);

@@ -175,7 +175,7 @@ export class ScriptedService {
 
   #channels() {
     return Array.from({ length: ELEMENTS + 1 }, (_, i) => ({ name: i < ELEMENTS ? `y${i}` : 'reaction', measures: i < ELEMENTS ? 'displacement' : 'force',
-      at: i < ELEMENTS ? i : 'ground', relative_to: null, unit: i < ELEMENTS ? 'mm' : 'N', value: noise(this.#s, i), status: 'ok', age_s: 0.01, rate_hz: 1000,
+      at: i < ELEMENTS ? i : 'ground', relative_to: null, unit: i < ELEMENTS ? 'mm' : 'N', value: noise(this.#s, i), status: 'ok', text: 'ok', age_s: 0.01, rate_hz: 1000,
       jitter_s: 1e-5, received: 1000 * this.#s, dropped: 0, lost: 0, gaps: 0 }));
   }
   #events(from) {
