@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/motion_report.hpp"
 #include "daemon/serve/element_standing.hpp"
 
@@ -29,6 +31,19 @@ std::optional<ModelVerdict> model_of(const ServiceView& now, const Dwell& dwell)
   return none;
 }
 
+std::optional<SinceBefore> since_before(const ServiceView& now, const Dwell& dwell) {
+  if (!has_coefficients(dwell) || dwell.state == State::complete) return std::nullopt;
+  const auto since = [&dwell](const Dwell& before, std::string start_utc) {
+    return SinceBefore{before.index.value_or(0), std::move(start_utc), before.end_s, moves_since(before, dwell)};
+  };
+  if (const auto& finished = now.snapshot.finished)
+    for (auto before = finished->rbegin(); before != finished->rend(); ++before)
+      if (has_coefficients(**before) && (*before)->index != dwell.index) return since(**before, now.run.start_utc);
+  if (const EarlierDwell& earlier = now.snapshot.earlier; earlier.dwell)
+    return since(*earlier.dwell, record::iso_utc(earlier.start_utc_ns));
+  return std::nullopt;
+}
+
 }  // namespace
 
 DwellView live_dwell(const ServiceView& now) {
@@ -46,6 +61,7 @@ DwellView live_dwell(const ServiceView& now) {
     view.transient = std::move(beside);
   }
   if (!stale) view.model = model_of(now, snapshot.dwell);
+  view.since = since_before(now, dwell);
   return view;
 }
 

@@ -123,6 +123,9 @@ struct Dwell {
 // Estimate of the element k; null: the dwell has none yet. Points into the dwell. Thread-safe, no allocation.
 [[nodiscard]] const ElementEstimate* element_of(const Dwell& dwell, int k) noexcept;
 
+// Whether it has settled and tells of its elements. Thread-safe, no allocation.
+[[nodiscard]] bool has_coefficients(const Dwell& dwell) noexcept;
+
 // Whether the doubt concerns the element k. Thread-safe, no allocation.
 [[nodiscard]] bool concerns(const Doubt& doubt, int k) noexcept;
 

@@ -90,7 +90,6 @@ void WatchState::take(DwellView dwell, double now_s) {
   heard_s_ = now_s;
   renewals_.told(now_s);
   trend_.take(dwell, now_s);
-  deviation_.take(dwell, now_s);
   keep_verdicts(dwell);
   if (has_coefficients(dwell.dwell)) last_ = dwell;
   dwell_ = std::move(dwell);
@@ -158,11 +157,15 @@ std::optional<std::int64_t> WatchState::since_utc_ns() const {
   return std::nullopt;
 }
 
-double WatchState::data_ago_s(const DwellView& view, double now_s) const {
+double WatchState::ago_s(const std::string& start_utc, double t_s, double now_s) const {
   const auto now_ns = utc_ns(now_s);
-  const auto start_ns = record::parse_utc(view.run.start_utc);
+  const auto start_ns = record::parse_utc(start_utc);
   if (!now_ns || !start_ns) return kNaN;
-  return 1e-9 * static_cast<double>(*now_ns - *start_ns) - view.dwell.end_s;
+  return 1e-9 * static_cast<double>(*now_ns - *start_ns) - t_s;
+}
+
+double WatchState::before_ago_s(double now_s) const {
+  return dwell_ && dwell_->since ? ago_s(dwell_->since->start_utc, dwell_->since->end_s, now_s) : kNaN;
 }
 
 double WatchState::ended_ago_s(double now_s) const { return ended() ? data_ago_s(*dwell_, now_s) : kNaN; }
@@ -173,9 +176,8 @@ const DwellView* WatchState::last() const {
   return none && last_ ? &*last_ : nullptr;
 }
 
-void WatchState::take_last(DwellView dwell, double now_s) {
+void WatchState::take_last(DwellView dwell) {
   if (!has_coefficients(dwell.dwell)) return;
-  deviation_.take(dwell, now_s);
   last_ = std::move(dwell);
 }
 

@@ -68,6 +68,22 @@ Json model_value(const ModelVerdict& model) {
           {"objection", model.objection.empty() ? Json(nullptr) : Json(model.objection)}};
 }
 
+Json move_value(const CoefficientMove& move) {
+  if (!std::isfinite(move.change)) return nullptr;
+  return {{"change", move.change}, {"U95", json_number(move.U95)}, {"moved", move.moved}};
+}
+
+Json since_value(const SinceBefore& since) {
+  Json elements = Json::array();
+  for (const ElementMove& element : since.elements)
+    elements.push_back(
+        {{"k", element.k}, {"stiffness", move_value(element.stiffness)}, {"damping", move_value(element.damping)}});
+  return {{"index", since.index},
+          {"start_utc", json_text(since.start_utc)},
+          {"end_s", json_number(since.end_s)},
+          {"elements", std::move(elements)}};
+}
+
 Json limit_value(const JudgedLimit& limit, Motion motion) {
   const bool stiffness = limit.kind == CoefficientKind::stiffness;
   return {{"element", limit.element},
@@ -191,6 +207,8 @@ Json json_value(const DwellView& view, Detail detail) {
     object["estimate_age_s"] = json_number(view.age->s);
     object["stale"] = view.age->stale;
     object["moved_beyond"] = json_number(settled ? moved_beyond(d) : kNaN);
+    // People read it once a second: it is not among what moves.
+    if (detail == Detail::whole) object["since"] = view.since ? since_value(*view.since) : Json(nullptr);
   }
   return object;
 }

@@ -141,6 +141,23 @@ std::optional<LiveAge> age_of(const Json& value) {
   return LiveAge{real_of(value, "estimate_age_s"), boolean_of(value, "stale")};
 }
 
+CoefficientMove move_of(const Json& value) {
+  if (value.is_null()) return {};
+  return {real_of(value, "change"), real_of(value, "U95"), boolean_of(value, "moved")};
+}
+
+// Of a dwell that is not measured now, or of a service that does not tell: none.
+std::optional<SinceBefore> since_of(const Json& value) {
+  const auto found = value.find("since");
+  if (found == value.end() || found->is_null()) return std::nullopt;
+  SinceBefore since{integer(member(*found, "index"), "index"), string_of(*found, "start_utc"),
+                    real_of(*found, "end_s")};
+  for (const Json& element : array_of(*found, "elements"))
+    since.elements.push_back({integer(member(element, "k"), "k"), move_of(member(element, "stiffness")),
+                              move_of(member(element, "damping"))});
+  return since;
+}
+
 // A line of `warnings` that is no doubt. told: its entry of `warned`; null: of a program that told the text alone. Then
 // only the kind that is treated in another way is recognized.
 Warning warning_of(const std::string& text, const Json* told) {
@@ -203,6 +220,7 @@ DwellView parse(const Json& value) {
   for (JudgedLimit& limit : view.limits)
     limit.doubted = limit.verdict == LimitVerdict::none && doubt_of(d, limit.element) != nullptr;
   view.age = age_of(value);
+  view.since = since_of(value);
   return view;
 }
 

@@ -49,6 +49,8 @@ DwellView publication(int n, int step) {
     dwell.elements.push_back(std::move(element));
   }
   dwell.covariance.assign(static_cast<std::size_t>(4 * n) * static_cast<std::size_t>(n), 196.0 / 7.0 * drift);
+  view.age = LiveAge{0.1, false};
+  view.since = SinceBefore{1, "2026-11-23T07:00:00Z", 20.0, {{1, {0.01 * drift, 0.002, true}, {}}}};
   return view;
 }
 
@@ -102,6 +104,7 @@ TEST(DwellStream, AChangeNamesItsDwellAndHoldsNeitherCovarianceNorBudgets) {
   EXPECT_EQ(change["elements"][1]["k"], 2);
   EXPECT_FALSE(change.contains("covariance"));
   EXPECT_FALSE(change["elements"][0].contains("budget"));
+  EXPECT_FALSE(change.contains("since"));
 }
 
 }  // namespace

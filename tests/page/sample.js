@@ -9,7 +9,7 @@ export function dwellOf(changes = {}) {
     start_utc: '2026-11-23T07:00:00.000000Z', settles_in_s: 0, settling_reason: 'it has decayed',
     frequency_hz: { value: 4.0003, u: 2e-5 }, phasors: [{ channel: 'y0' }, { channel: 'y1' }],
     elements: [element(1, 24000, 60), element(2, 8000, 45)], warnings: [], warned: [], doubts: [], unstated: [], motion: null,
-    model: null, moved_beyond: 1.27, ...changes };
+    model: null, since: null, ...changes };
 }
 
 // The members of a dwell that warns so. warnings: { kind, text, elements, channels }; the last two may be left out. doubts:
