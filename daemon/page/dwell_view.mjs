@@ -4,7 +4,7 @@ import { about, COEFFICIENTS, marksOf, subscript } from './coefficients.mjs';
 import { h, setText } from './dom.mjs';
 import { limitOf } from './limits.mjs';
 import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
-import { dwellsPath, fromRun } from './runs.mjs';
+import { fromRun } from './runs.mjs';
 import { modelOf, whom } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -47,7 +47,7 @@ function contentOf(d, from) {
 
 // run: as in /api/v1/runs, the recorded run that it comes from; null: the service knows it without a file.
 export async function openDwell(brief, run) {
-  const path = run ? `${dwellsPath(run)}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
+  const path = run ? `${run.dwells_at}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
   setText($('dwell-title'), `Dwell ${brief.index}${run ? ` of run ${run.run}` : ''}`);
   $('dwell-json').href = path;
   $('dwell-content').replaceChildren(h('p', {}, 'loading …'));

@@ -216,6 +216,12 @@ Json health_json(const ServiceView& view) {
           {"recorder", recorder_json(view)}};
 }
 
+// Of the run whose dwells are told; null: it is not recorded.
+Json file_of_dwells(const ServiceView& view) {
+  const record::ListedRun* const run = run_of_dwells(view);
+  return run == nullptr ? Json(nullptr) : Json(run->file);
+}
+
 const FinishedDwells& finished(const ServiceView& view) {
   static const FinishedDwells kNone;
   return view.snapshot.finished ? *view.snapshot.finished : kNone;
@@ -249,7 +255,7 @@ HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
   HttpReply reply;
   reply.body = "{\"rig\":" + dump(view.rig.name) +
                ",\"total\":" + std::to_string(all.size() + view.snapshot.forgotten) +
-               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) +
+               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) + ",\"file\":" + dump(file_of_dwells(view)) +
                ",\"next\":" + (next ? std::to_string(*next) : "null") + ",\"dwells\":[";
   for (std::size_t i = 0; i < texts.size(); ++i) (reply.body += i > 0 ? "," : "") += texts[i];
   reply.body += "]}";

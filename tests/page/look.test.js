@@ -325,11 +325,11 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   await page.waitForSelector('#state[data-kind=measuring]');
   bench.rig.say('stop');
   await page.waitForSelector('#state[data-kind=idle]');
-  const { dwells } = await bench.get('/api/v1/dwells?brief=1');
+  const { dwells, file } = await bench.get('/api/v1/dwells?brief=1');
   const newest = dwells.at(-1);
   await until(async () => {
     const { runs } = await bench.get('/api/v1/runs?count=1');
-    return runs[0].state === 'closed' && Math.abs(Date.parse(runs[0].begun) - Date.parse(newest.start_utc)) < 1000;
+    return runs[0].state === 'closed' && runs[0].file === file;
   });
   await bench.service.end();
   await bench.startService();
@@ -367,7 +367,7 @@ test('two files of one run each show their own numbers', async () => {
   const files = { 'bench-98-20261123T031217Z.dwell': 24000, 'bench-99-20261123T031217Z.dwell': 25000 };
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: Object.keys(files).map((file, i) => ({ ...answer.runs[0], run: 98 + i, file, state: 'closed', dwells: 1 })) } });
+    await route.fulfill({ json: { ...answer, runs: Object.keys(files).map((file, i) => ({ ...answer.runs[0], run: 98 + i, file, state: 'closed', dwells: 1, dwells_at: `/api/v1/runs/${file}/dwells` })) } });
   });
   await page.route('**/api/v1/runs/*/dwells?*', (route) => {
     const [file, c] = Object.entries(files).find(([name]) => route.request().url().includes(name));
@@ -390,7 +390,8 @@ test('a run that cannot be read says why, in place of its dwells', async () => {
   page.setDefaultTimeout(PATIENCE_MS);
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: [...answer.runs, { ...answer.runs[0], run: 99, file: 'bench-99-20261123T031217Z.dwell', state: 'closed', dwells: 3 }] } });
+    const run = { ...answer.runs[0], run: 99, file: 'bench-99-20261123T031217Z.dwell', state: 'closed', dwells: 3, dwells_at: '/api/v1/runs/bench-99-20261123T031217Z.dwell/dwells' };
+    await route.fulfill({ json: { ...answer, runs: [...answer.runs, run] } });
   });
   await page.goto(bench.url);
   await page.locator('#dwells-choice:not([hidden])').waitFor();
@@ -403,10 +404,10 @@ test('a run that cannot be read says why, in place of its dwells', async () => {
 test('an empty table of dwells says where those of earlier runs are', async () => {
   const page = await browser.newPage({ viewport: SIZES.desk });
   page.setDefaultTimeout(PATIENCE_MS);
-  await page.route('**/api/v1/dwells?*', async (route) => route.fulfill({ json: { rig: 'x', total: 0, forgotten: 0, next: null, dwells: [] } }));
+  await page.route('**/api/v1/dwells?*', async (route) => route.fulfill({ json: { rig: 'x', total: 0, forgotten: 0, file: null, next: null, dwells: [] } }));
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, state: 'closed', dwells: 3 })) } });
+    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, state: 'closed', dwells: 3, dwells_at: '/api/v1/runs/a/dwells' })) } });
   });
   await page.goto(bench.url);
   await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. To see those of an earlier run, choose it above\.$/ }).waitFor();

@@ -137,7 +137,7 @@ export class ScriptedService {
       case 'alarms': return { alarms: [], unacknowledged: 0, left_out: 0 };
       case 'rights': return { read: true, change: false, token: false };
       case 'events': return this.#events(from);
-      case 'dwells': return { dwells: this.#dwells(from) };
+      case 'dwells': return { dwells: this.#dwells(from), file: null };
       case 'traces': return { ...this.#traces(), origin_utc: this.#utc(0), from_s: Math.max(0, this.#s - STEP_S), newest_s: this.#s, less_dwell: null };
       default: return { runs: [], total: 0 };
     }
