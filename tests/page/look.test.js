@@ -104,6 +104,24 @@ test('a stuck transducer pushes no element of a usual rig off a wall display', a
   await page.close();
 });
 
+// At 1280 × 1024 the upper third of the strip showed above the note that there was no room for traces.
+test('a wall display says that it has no room for traces exactly where none are seen', async () => {
+  const page = await open('wall', '?kiosk');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  await page.waitForSelector('#traces:not([hidden])');
+  const told = () => page.evaluate(() => {
+    const [note, strip] = ['beyond', 'trace-plot'].map((id) => document.getElementById(id));
+    return { named: !note.hidden && note.innerText.includes('traces'), seen: getComputedStyle(strip).visibility === 'visible',
+      whole: strip.getBoundingClientRect().bottom <= (note.hidden ? window.innerHeight : note.getBoundingClientRect().top + 0.5) };
+  });
+  for (const [width, height, room] of [[1920, 1080, true], [1280, 1024, false], [1440, 900, true]]) {
+    await page.setViewportSize({ width, height });
+    // The note is looked at once a second.
+    await until(async () => JSON.stringify(await told()) === JSON.stringify({ named: !room, seen: room, whole: room }));
+  }
+  await page.close();
+});
+
 test('thirteen elements fit on a wall display', async () => {
   const many = await Bench.begin(chainOf(12));
   try {
