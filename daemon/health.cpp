@@ -38,23 +38,28 @@ bool is_dead(const Rig& rig, const Snapshot& snapshot, int device) {
                        [device](const Channel& channel) { return channel.device == device; }) > 1;
 }
 
+Trouble of_channel(const Channel& channel, const std::string& why) {
+  return {
+      "channel:" + channel.name, "channel " + channel.name + ": " + why, true, TroubleKind::channel, channel.name, why};
+}
+
 void add_channels(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& troubles) {
   std::vector<int> told;  // devices
   for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
     const ChannelView& view = snapshot.channels[i];
     const Channel& channel = rig.channels[i];
-    const std::string name = "channel " + channel.name + ": ";
     if (view.fault == Fault::end_of_data) continue;  // a recording was played to its end: nothing is wrong
     if (view.fault != Fault::none && is_dead(rig, snapshot, channel.device)) {
       if (std::find(told.begin(), told.end(), channel.device) != told.end()) continue;
       told.push_back(channel.device);
       const std::string& device = snapshot.devices[static_cast<std::size_t>(channel.device)].name;
-      troubles.push_back(
-          {"device:" + device, "device " + device + " does not deliver: " + words(to_string(view.fault), view.reason)});
+      troubles.push_back({"device:" + device,
+                          "device " + device + " does not deliver: " + words(to_string(view.fault), view.reason), true,
+                          TroubleKind::device});
     } else if (view.fault != Fault::none) {
-      troubles.push_back({"channel:" + channel.name, name + words(to_string(view.fault), view.reason)});
+      troubles.push_back(of_channel(channel, words(to_string(view.fault), view.reason)));
     } else if (is_unusable(view.condition)) {
-      troubles.push_back({"channel:" + channel.name, name + words(to_string(view.condition), view.condition_reason)});
+      troubles.push_back(of_channel(channel, words(to_string(view.condition), view.condition_reason)));
     }
   }
 }
@@ -68,11 +73,11 @@ void add_unused(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& 
     const Channel& channel = rig.channels[i];
     const bool told = view.fault != Fault::none || is_unusable(view.condition);
     if (told || dwell.phasors[i].valid || channel.measures == Quantity::auxiliary) continue;
-    troubles.push_back({"channel:" + channel.name,
-                        "channel " + channel.name + " does not count in this dwell: " + dwell.phasors[i].reason});
+    troubles.push_back(of_channel(channel, "not counted in this dwell: " + dwell.phasors[i].reason));
   }
   if (std::isfinite(dwell.settled_s) && dwell.elements.empty())
-    troubles.push_back({"dwell", "no coefficients: " + words("the data do not suffice", dwell.settling_reason)});
+    troubles.push_back({"dwell", "no coefficients: " + words("the data do not suffice", dwell.settling_reason), true,
+                        TroubleKind::dwell});
 }
 
 // Whether all devices are recordings that were played to their end. Then no drive is seen, as is to be expected.
@@ -103,8 +108,7 @@ void add_gated(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& t
       replaced = replaced || stands_in(other, channel);
     if (replaced) continue;
     const ChannelView& view = snapshot.channels[i];
-    troubles.push_back({"channel:" + channel.name,
-                        "channel " + channel.name + ": " + words(to_string(view.condition), view.condition_reason)});
+    troubles.push_back(of_channel(channel, words(to_string(view.condition), view.condition_reason)));
   }
 }
 
@@ -126,6 +130,32 @@ const char* to_string(Health::Status status) noexcept {
   return "?";
 }
 
+const char* to_string(TroubleKind kind) noexcept {
+  switch (kind) {
+    case TroubleKind::service:
+      return "service";
+    case TroubleKind::channel:
+      return "channel";
+    case TroubleKind::device:
+      return "device";
+    case TroubleKind::gpio:
+      return "gpio";
+    case TroubleKind::dwell:
+      return "dwell";
+    case TroubleKind::limit:
+      return "limit";
+    case TroubleKind::log:
+      return "log";
+    case TroubleKind::recording:
+      return "recording";
+    case TroubleKind::clock:
+      return "clock";
+    case TroubleKind::calibration:
+      return "calibration";
+  }
+  return "?";
+}
+
 double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept {
   if (snapshot.sequence == 0) return std::numeric_limits<double>::infinity();
   return std::max(0.0, static_cast<double>(now_ns - snapshot.t_ns) * 1e-9);
@@ -139,31 +169,34 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
                     const LogStats& log, const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
                     bool clock_synchronized, std::int64_t utc_ns) {
   Health health;
-  const auto add = [&](std::string name, std::string text) {
-    health.troubles.push_back({std::move(name), std::move(text)});
+  const auto add = [&](TroubleKind kind, std::string name, std::string text) {
+    health.troubles.push_back({std::move(name), std::move(text), true, kind});
   };
-  if (!trouble.empty()) add(kServiceTrouble, trouble);
+  if (!trouble.empty()) add(TroubleKind::service, kServiceTrouble, trouble);
   add_channels(rig, snapshot, health.troubles);
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (lines[i].configured && !lines[i].works)
-      add(std::string("gpio:") + gpio::kFunctionNames[i],
+      add(TroubleKind::gpio, std::string("gpio:") + gpio::kFunctionNames[i],
           std::string("GPIO ") + gpio::kFunctionNames[i] + ": " + words("does not work", lines[i].reason));
   const Dwell& dwell = snapshot.dwell;
   if (dwell.state == State::fault && !has_ended(snapshot))
-    add("dwell", words("the data do not suffice", dwell.settling_reason));
+    add(TroubleKind::dwell, "dwell", words("the data do not suffice", dwell.settling_reason));
   const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
   if (!stale && dwell.state == State::settling) add_gated(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
     if (!stale && limit.verdict == LimitVerdict::violated)
-      add(std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),
+      add(TroubleKind::limit, std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),
           "limit violated: " + violation_text(limit, dwell, rig.motion));
-  if (log.failing) add("log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
-  for (const record::RecorderAlarm& alarm : recorder) add(alarm.name, "recording: " + alarm.text);
+  if (log.failing)
+    add(TroubleKind::log, "log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
+  for (const record::RecorderAlarm& alarm : recorder)
+    add(TroubleKind::recording, alarm.name, "recording: " + alarm.text);
   // Dates in records may be wrong. The numbers are not: they are computed on the raw clock, whose rate has an
   // uncertainty of its own.
   if (!clock_synchronized)
-    health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
+    health.troubles.push_back(
+        {"clock", "the computer's clock is not synchronized: dates may be wrong", false, TroubleKind::clock});
 
   // The readings are as good as before, but no valid certificate proves their scale: an alarm that does not degrade.
   for (const Channel& channel : rig.channels)
@@ -171,7 +204,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
       health.troubles.push_back({"calibration:" + channel.name,
                                  "channel " + channel.name + ": the calibration " + channel.calibration.id +
                                      " is overdue: it was due on " + channel.calibration.due,
-                                 false});
+                                 false, TroubleKind::calibration, channel.name});
 
   health.run = run_words(snapshot.run);
 

@@ -14,12 +14,30 @@
 
 namespace dwell {
 
+// What a trouble concerns.
+enum class TroubleKind : std::uint8_t {
+  service,
+  channel,
+  device,
+  gpio,
+  dwell,
+  limit,
+  log,
+  recording,
+  clock,
+  calibration,  // of a channel
+};
+[[nodiscard]] const char* to_string(TroubleKind kind) noexcept;  // "service", "channel", …
+
 // One thing that is wrong.
 struct Trouble {
   // Names the thing and stays the same while the text changes: "channel:y1", "device:amplifier", "limit:stiffness:2", …
   std::string name;
   std::string text;      // one line for people
   bool degrades = true;  // false: an alarm tells operators of it, and the status stays ok
+  TroubleKind kind = TroubleKind::service;
+  std::string channel = {};  // its name; empty: it concerns none, or several
+  std::string why = {};      // of a channel: `text` without the name, to tell channels together that fail alike
 };
 
 // Name of the trouble that the watchdog found: the service itself does not work.

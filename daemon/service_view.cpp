@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/motion_report.hpp"
 #include "daemon/serve/element_standing.hpp"
 
@@ -13,7 +15,7 @@ namespace {
 // from one answer to the next.
 std::string stale_reason(const ServiceView& now) {
   for (const Trouble& trouble : now.health.troubles)
-    if (trouble.name == kServiceTrouble) return "stale: the service itself does not work: " + trouble.text;
+    if (trouble.kind == TroubleKind::service) return "stale: the service itself does not work: " + trouble.text;
   return now.snapshot.sequence == 0 ? "the estimation has not published anything yet"
                                     : "stale: the estimation publishes nothing new";
 }
@@ -27,6 +29,19 @@ std::optional<ModelVerdict> model_of(const ServiceView& now, const Dwell& dwell)
   ModelVerdict none;
   none.asked = now.verification.accuracy;
   return none;
+}
+
+std::optional<SinceBefore> since_before(const ServiceView& now, const Dwell& dwell) {
+  if (!has_coefficients(dwell) || dwell.state == State::complete) return std::nullopt;
+  const auto since = [&dwell](const Dwell& before, std::string start_utc) {
+    return SinceBefore{before.index.value_or(0), std::move(start_utc), before.end_s, moves_since(before, dwell)};
+  };
+  if (const auto& finished = now.snapshot.finished)
+    for (auto before = finished->rbegin(); before != finished->rend(); ++before)
+      if (has_coefficients(**before) && (*before)->index != dwell.index) return since(**before, now.run.start_utc);
+  if (const EarlierDwell& earlier = now.snapshot.earlier; earlier.dwell)
+    return since(*earlier.dwell, record::iso_utc(earlier.start_utc_ns));
+  return std::nullopt;
 }
 
 }  // namespace
@@ -46,6 +61,7 @@ DwellView live_dwell(const ServiceView& now) {
     view.transient = std::move(beside);
   }
   if (!stale) view.model = model_of(now, snapshot.dwell);
+  view.since = since_before(now, dwell);
   return view;
 }
 

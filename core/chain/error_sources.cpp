@@ -79,18 +79,35 @@ class Collection {
   [[nodiscard]] Complex bent(Index c, double u_s) const {
     return 0.5 * Complex{0.0, chain_.omega} * delayed(c) * u_s * u_s;
   }
-  void add_of_reading(std::string name, VectorXcd on_x, std::vector<ReadingError> readings, VectorXcd bends_x = {}) {
-    out_.push_back({.name = std::move(name),
+  // Of the readings of one channel alone. name: its channel's name follows.
+  void add_of_channel(SourceKind kind, const char* name, Index c, VectorXcd on_x, const ReadingError& reading,
+                      VectorXcd bends_x = {}) {
+    out_.push_back({.name = name + channel(c).name,
                     .dof = kTypeB,
                     .on_x = std::move(on_x),
                     .on_Z = no_Z(),
-                    .readings = std::move(readings),
-                    .bends_x = std::move(bends_x)});
+                    .readings = {reading},
+                    .bends_x = std::move(bends_x),
+                    .kind = kind,
+                    .channel = channel(c).name});
   }
-  void add_late(const std::string& name, Index c, double u_s) {
+  void add_late(SourceKind kind, const char* name, Index c, double u_s) {
     if (u_s > 0)
-      add_of_reading(name + channel(c).name, through_channel(c, delayed(c) * u_s), {{.channel = c, .late_s = u_s}},
+      add_of_channel(kind, name, c, through_channel(c, delayed(c) * u_s), {.channel = c, .late_s = u_s},
                      through_channel(c, bent(c, u_s)));
+  }
+  [[nodiscard]] std::string name_of_device(int device) const {
+    return device < 0 ? std::string() : chain_.rig.devices[static_cast<std::size_t>(device)].name;
+  }
+  void add_shared(SourceKind kind, std::string name, std::string device, Shared shared) {
+    out_.push_back({.name = std::move(name),
+                    .dof = kTypeB,
+                    .on_x = std::move(shared.on_x),
+                    .on_Z = no_Z(),
+                    .readings = std::move(shared.readings),
+                    .bends_x = std::move(shared.bends_x),
+                    .kind = kind,
+                    .device = std::move(device)});
   }
   void share(std::map<int, Shared>& of, int key, Index c, double u_s) const {
     Shared& shared = of.try_emplace(key, Shared{no_x(), no_x(), {}}).first->second;
@@ -124,8 +141,8 @@ void Collection::add_noise(Index c) {
   const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
   for (const auto& [kind, name, covariance, dof] :
        {Part{SourceKind::noise, "noise of ", turn * seen.covariance * turn.transpose(), seen.dof},
-        Part{SourceKind::other, "transient left in ", turn * seen.transient * turn.transpose(), kTypeB},
-        Part{SourceKind::other, "quantization of ", rounding * one, kTypeB},
+        Part{SourceKind::transient_left, "transient left in ", turn * seen.transient * turn.transpose(), kTypeB},
+        Part{SourceKind::quantization, "quantization of ", rounding * one, kTypeB},
         Part{SourceKind::folded_harmonics, "folded harmonics of ",
              std::norm(per_reading) * seen.folded_u * seen.folded_u * one, kTypeB}}) {
     if (covariance.isZero(0)) continue;
@@ -138,7 +155,7 @@ void Collection::add_noise(Index c) {
                       .on_Z = no_Z(),
                       .residual = std::isfinite(dof),
                       .kind = kind,
-                      .channel = kind == SourceKind::other ? "" : channel(c).name});
+                      .channel = channel(c).name});
     }
   }
 }
@@ -148,18 +165,18 @@ void Collection::add_stated(Index c) {
   const Channel& channel = this->channel(c);
   const LogSlopes slopes = response_slopes(channel, device_delay_s(chain_.rig, channel), chain_.omega / (kTwoPi));
   if (channel.scale_u > 0)
-    add_of_reading("scale of " + channel.name, through_channel(c, o_(c) * channel.scale_u),
-                   {{.channel = c, .relative = channel.scale_u}});
-  add_late("refresh of ", c, seen(c).refresh_u_s);
-  add_late("delay of ", c, channel.delay_u_s);
+    add_of_channel(SourceKind::scale, "scale of ", c, through_channel(c, o_(c) * channel.scale_u),
+                   {.channel = c, .relative = channel.scale_u});
+  add_late(SourceKind::refresh, "refresh of ", c, seen(c).refresh_u_s);
+  add_late(SourceKind::delay, "delay of ", c, channel.delay_u_s);
   if (channel.lowpass.hz_u > 0)
-    add_of_reading("low-pass of " + channel.name,
+    add_of_channel(SourceKind::lowpass, "low-pass of ", c,
                    through_channel(c, -o_(c) * slopes.lowpass_corner * channel.lowpass.hz_u),
-                   {{.channel = c, .lowpass_hz = channel.lowpass.hz_u}});
+                   {.channel = c, .lowpass_hz = channel.lowpass.hz_u});
   if (channel.highpass.hz_u > 0)
-    add_of_reading("high-pass of " + channel.name,
+    add_of_channel(SourceKind::highpass, "high-pass of ", c,
                    through_channel(c, -o_(c) * slopes.highpass_corner * channel.highpass.hz_u),
-                   {{.channel = c, .highpass_hz = channel.highpass.hz_u}});
+                   {.channel = c, .highpass_hz = channel.highpass.hz_u});
 }
 
 void Collection::add_shared_instants() {
@@ -174,11 +191,10 @@ void Collection::add_shared_instants() {
       share(by_transaction, seen.transaction >= 0 ? seen.transaction : static_cast<int>(c), c, seen.turnaround_u_s);
   }
   for (auto& [device, shared] : by_device)
-    add_of_reading("delay of " + rig.devices[static_cast<std::size_t>(device)].name, shared.on_x, shared.readings,
-                   shared.bends_x);
+    add_shared(SourceKind::delay, "delay of " + name_of_device(device), name_of_device(device), std::move(shared));
   for (auto& [transaction, shared] : by_transaction)
-    add_of_reading("turnaround of " + name_of_transaction(rig, evidence_, transaction), shared.on_x, shared.readings,
-                   shared.bends_x);
+    add_shared(SourceKind::turnaround, "turnaround of " + name_of_transaction(rig, evidence_, transaction),
+               name_of_device(channel(transaction).device), std::move(shared));
 }
 
 void Collection::add_masses() {
@@ -192,7 +208,8 @@ void Collection::add_masses() {
                     .dof = kTypeB,
                     .on_x = no_x(),
                     .on_Z = on_Z,
-                    .mass = static_cast<int>(i) + 1});
+                    .mass = static_cast<int>(i) + 1,
+                    .kind = SourceKind::mass});
   }
 }
 
@@ -204,7 +221,11 @@ void Collection::add_taken_for_transient() {
       absorbed += through_channel(
           c, as_observed(chain_.rig, static_cast<int>(c), seen(c).taken_for_transient, chain_.omega, 1));
   if (!absorbed.isZero(0))
-    out_.push_back({.name = "drive's change while settling", .dof = kTypeB, .on_x = absorbed, .on_Z = no_Z()});
+    out_.push_back({.name = "drive's change while settling",
+                    .dof = kTypeB,
+                    .on_x = absorbed,
+                    .on_Z = no_Z(),
+                    .kind = SourceKind::drive_settling});
 }
 
 // Adds the error of Z_k by phasors that change within the dwell, by a transient, a drive that hunts or a knock.
@@ -235,7 +256,11 @@ void Collection::add_change_within() {
     inertia += chain_.rig.masses[static_cast<std::size_t>(k - 1)] * x_dot.head(k + 1).sum();
     on_Z(k - 1) = (Complex{0.0, 2 * chain_.omega} * inertia + damping(Z(k - 1), chain_.omega) * x_dot(k)) / d(k - 1);
   }
-  out_.push_back({.name = "change within the dwell", .dof = kTypeB, .on_x = gain_.gain * read_off, .on_Z = on_Z});
+  out_.push_back({.name = "change within the dwell",
+                  .dof = kTypeB,
+                  .on_x = gain_.gain * read_off,
+                  .on_Z = on_Z,
+                  .kind = SourceKind::change_within});
 }
 
 void Collection::add_frequency(const Frequency& frequency) {
@@ -253,17 +278,18 @@ void Collection::add_frequency(const Frequency& frequency) {
     inertia += chain_.rig.masses[static_cast<std::size_t>(k - 1)] * chain_.Y(k);
     by_omega(k - 1) = 2 * omega * inertia / elements_.d(k - 1);
   }
-  const auto add = [&](const char* name, double u, double clock_u) {
+  const auto add = [&](SourceKind kind, const char* name, double u, double clock_u) {
     if (u > 0)
       out_.push_back({.name = name,
                       .dof = kTypeB,
                       .on_x = x_per_omega * u,
                       .on_Z = by_omega * u,
                       .on_omega = u,
-                      .clock_u = clock_u});
+                      .clock_u = clock_u,
+                      .kind = kind});
   };
-  add("frequency", frequency.u, 0.0);
-  add("clock rate", frequency.clock_u * omega, frequency.clock_u);
+  add(SourceKind::frequency, "frequency", frequency.u, 0.0);
+  add(SourceKind::clock_rate, "clock rate", frequency.clock_u * omega, frequency.clock_u);
 }
 
 }  // namespace

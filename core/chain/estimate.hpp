@@ -30,7 +30,7 @@ namespace dwell {
 struct ElementsResult {
   std::vector<ElementEstimate> elements;  // one per element of the chain
   std::vector<double> covariance;         // of (c, r) of each identifiable element; row-major
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::vector<Doubt> doubts;
   std::vector<std::complex<double>> Z;  // N/m; NaN where not determined
   std::vector<SourceEffect> effects;    // the covariance source by source, for numbers derived from coefficients

@@ -112,9 +112,10 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
           std::move(by_channel)};
 }
 
-// Names the channels whose distortion alone would explain the third harmonics of all elements; empty: none.
-std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
-  std::string text;
+// Names the channels whose distortion alone would explain the third harmonics of all elements; without text: none.
+Warning distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
+  Warning warning{WarningKind::nonlinear, {}, told, {}};
+  std::string& text = warning.what;
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
     const auto i = static_cast<Index>(c);
     double overlap = 0.0, power = 0.0;
@@ -129,11 +130,13 @@ std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const 
              std::max(third.sure, kSameDistortion * std::abs(third.force));
     });
     if (!explains) continue;
+    warning.channels.push_back(rig.channels[c].name);
     text += (text.empty() ? "if " : ", or if ") + rig.channels[c].name + " distorts, a harmonic 3 of " +
             percent(std::abs(part)) + " in phase with its reading explains " + elements_text(told) +
             "; its reading is then " + percent(3 * std::abs(part)) + (part > 0 ? " too small" : " too large");
   }
-  return text.empty() ? text : text + ": check its range and its amplifier";
+  if (!text.empty()) text += ": check its range and its amplifier";
+  return warning;
 }
 
 // Parts of c and r that come from the nonlinearity seen in harmonic 3.
@@ -183,12 +186,15 @@ std::string words_of(const Rig& rig, const ElementEstimate& element, const Exces
 
 }  // namespace
 
-std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
-                                         const Frequency& frequency, const std::vector<ElementEstimate>& elements) {
+std::vector<Warning> judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                                     const Frequency& frequency, const std::vector<ElementEstimate>& elements) {
   std::vector<Harmonic> harmonics;
   for (int h = 1; h <= rig.excitation.harmonics; ++h)
     harmonics.push_back(harmonic_of(rig, gain, evidence, frequency.omega, h));
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
+  const auto warn = [&](std::string what, int k) {
+    warnings.push_back({WarningKind::nonlinear, std::move(what), {k}, {}});
+  };
   std::vector<Excess> thirds;  // of all elements
   std::vector<int> told;
   for (const ElementEstimate& element : elements) {
@@ -211,16 +217,17 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
     if (std::isfinite(third.sure)) thirds.push_back(third);
     if (parts.significant_c || parts.significant_r) told.push_back(element.k);
     if (parts.significant_c || parts.significant_r)
-      warnings.push_back(words_of(rig, element, third, parts, omega, worst_h == 3));
+      warn(words_of(rig, element, third, parts, omega, worst_h == 3), element.k);
     else if (worst_h > 0)
-      warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +
-                         std::to_string(worst_h) + " of its force that c and r do not explain is " +
-                         brief(100 * worst, 2) +
-                         " % of the fundamental; c and r are equivalent stiffness and damping at this amplitude");
+      warn("element " + std::to_string(element.k) + " is far from linear: harmonic " + std::to_string(worst_h) +
+               " of its force that c and r do not explain is " + brief(100 * worst, 2) +
+               " % of the fundamental; c and r are equivalent stiffness and damping at this amplitude",
+           element.k);
   }
   // With one element, its own nonlinearity and a channel's distortion cannot be told apart.
   if (told.size() > 1)
-    if (std::string channels = distorting(rig, thirds, told); !channels.empty()) warnings.push_back(channels);
+    if (Warning channels = distorting(rig, thirds, told); !channels.what.empty())
+      warnings.push_back(std::move(channels));
   return warnings;
 }
 

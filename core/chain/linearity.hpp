@@ -15,7 +15,6 @@
 // then equivalent coefficients, valid at this amplitude alone. A harmonic above a tenth of the force warns too.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/chain/estimate.hpp"
@@ -27,9 +26,8 @@ namespace dwell {
 
 // At most one warning per identifiable element, and one for the channels. elements: estimated from the same evidence.
 // The kinds above need Excitation::harmonics >= 3. Allocates; O(harmonics · elements · (elements + channels)).
-[[nodiscard]] std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain,
-                                                       const std::vector<Evidence>& evidence,
-                                                       const Frequency& frequency,
-                                                       const std::vector<ElementEstimate>& elements);
+[[nodiscard]] std::vector<Warning> judge_linearity(const Rig& rig, const Gain& gain,
+                                                   const std::vector<Evidence>& evidence, const Frequency& frequency,
+                                                   const std::vector<ElementEstimate>& elements);
 
 }  // namespace dwell

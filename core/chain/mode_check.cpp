@@ -199,9 +199,9 @@ std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig&
               : "possible causes: " + single + ", or an element that is not linear");
 }
 
-// Lists the channels that show a mode plainly. count: their number; able: the number of channels that could. Those on
+// Names of the channels that show a mode plainly. able: the number of channels that could. Those on
 // the table cannot, since its motion is imposed.
-std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, std::size_t& able) {
+std::vector<std::string> shown_by(const Rig& rig, const SeenMode& mode, std::size_t& able) {
   std::vector<std::string> names;
   able = 0;
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
@@ -212,8 +212,7 @@ std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, s
     if (mode.fitted[c] && std::abs(mode.amplitude(i)) > sigmas::kPlain * mode.u_amplitude(i))
       names.push_back(channel.name);
   }
-  count = names.size();
-  return listed(names);
+  return names;
 }
 
 // Which of the drive's harmonics beyond those fitted this is; 0: none.
@@ -224,22 +223,24 @@ int harmonic_of(const Rig& rig, const SeenMode& mode, double omega) {
 
 // The table's own harmonic makes all channels swing, as a mode of the chain does. It speaks against no chain.
 void warn_of_harmonic(const Rig& rig, const SeenMode& mode, int harmonic, Dwell& dwell) {
-  std::size_t count = 0, able = 0;
-  const std::string names = shown_by(rig, mode, count, able);
-  if (count == 0) return;
-  dwell.warnings.push_back({WarningKind::drive_harmonic, "harmonic " + std::to_string(harmonic) + " of the drive, at " +
-                                                             brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " +
-                                                             names +
-                                                             " and is not fitted: set excitation.harmonics to " +
-                                                             std::to_string(std::min(harmonic, kMaxHarmonics))});
+  std::size_t able = 0;
+  const std::vector<std::string> names = shown_by(rig, mode, able);
+  if (names.empty()) return;
+  dwell.warnings.push_back({WarningKind::drive_harmonic,
+                            "harmonic " + std::to_string(harmonic) + " of the drive, at " +
+                                brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " + listed(names) +
+                                " and is not fitted: set excitation.harmonics to " +
+                                std::to_string(std::min(harmonic, kMaxHarmonics)),
+                            {},
+                            names});
 }
 
 // Adds a doubt for an oscillation that the identified chain does not have. Two channels must show it plainly, or the
 // only one that can: the ringing bracket of a transducer shows in one channel alone.
 void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural, const SeenMode& mode, Dwell& dwell) {
-  std::size_t count = 0, able = 0;
-  const std::string names = shown_by(rig, mode, count, able);
-  if (count < std::min<std::size_t>(2, able) || count == 0) return;
+  std::size_t able = 0;
+  const std::vector<std::string> channels = shown_by(rig, mode, able);
+  if (channels.size() < std::min<std::size_t>(2, able) || channels.empty()) return;
   const auto nearer = [&](const auto& a, const auto& b) {
     return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
   };
@@ -247,8 +248,8 @@ void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural,
   const int last = rig.element_count();
   dwell.doubts.push_back(
       {{},
-       "mode at " + brief(mode.pole.imag() / kTwoPi, 4) + " Hz: the transient in " + names + " shows it, decaying at " +
-           brief(-mode.pole.real()) + " /s, and the identified chain (" +
+       "mode at " + brief(mode.pole.imag() / kTwoPi, 4) + " Hz: the transient in " + listed(channels) +
+           " shows it, decaying at " + brief(-mode.pole.real()) + " /s, and the identified chain (" +
            (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) + ") " +
            (nearest == natural.end() ? "does not oscillate by itself"
                                      : "has none there; its nearest is at " + brief(nearest->pole.imag() / kTwoPi, 4) +

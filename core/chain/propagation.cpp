@@ -61,6 +61,8 @@ void Propagation::add(const ErrorSource& source) {
       add_effect(source.name, source.dof, {v, source.mass, mass_u, source.clock_u, source.readings});
   of_name.kind = source.kind;
   of_name.channel = source.channel;
+  of_name.device = source.device;
+  of_name.mass = source.mass;
   for (Index e = 0; e < count; ++e)
     if (const Scatter& scatter = scatter_[static_cast<std::size_t>(e)]; source.residual && scatter.shows())
       of_name.dof.segment<2>(2 * e).setConstant(scatter.dof);
@@ -76,7 +78,8 @@ void Propagation::add_second_order() {
       VectorXd v = VectorXd::Zero(2 * count);
       v.segment<2>(2 * e) = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
       v(2 * e + 1) /= chain_.omega;
-      add_effect("errors to second order", std::numeric_limits<double>::infinity(), {v, 0, 0.0, 0.0, {}});
+      add_effect("errors to second order", std::numeric_limits<double>::infinity(), {v, 0, 0.0, 0.0, {}}).kind =
+          SourceKind::second_order;
     }
   }
 }
@@ -100,8 +103,13 @@ std::vector<BudgetShare> Propagation::budget(Index e) const {
   std::vector<BudgetShare> out;
   const double c = covariance_(2 * e, 2 * e), r = covariance_(2 * e + 1, 2 * e + 1);
   for (const auto& [name, part] : by_name_) {
-    BudgetShare share{name, c > 0 ? part.variance(2 * e) / c : 0.0, r > 0 ? part.variance(2 * e + 1) / r : 0.0,
-                      part.kind, part.channel};
+    BudgetShare share{name,
+                      c > 0 ? part.variance(2 * e) / c : 0.0,
+                      r > 0 ? part.variance(2 * e + 1) / r : 0.0,
+                      part.kind,
+                      part.channel,
+                      part.device,
+                      part.mass};
     if (share.stiffness_share > 0 || share.damping_share > 0) out.push_back(std::move(share));
   }
   std::stable_sort(out.begin(), out.end(), [](const BudgetShare& a, const BudgetShare& b) {

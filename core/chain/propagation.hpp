@@ -37,8 +37,9 @@ struct ErrorSource {
   double clock_u = 0.0;
   std::vector<ReadingError> readings = {};
   Eigen::VectorXcd bends_x = {};        // second-order change of x: -φ²/2 of the phasors turned by φ; empty: none
-  SourceKind kind = SourceKind::other;  // as in BudgetShare
+  SourceKind kind = SourceKind::other;  // these as in BudgetShare
   std::string channel = {};
+  std::string device = {};
 };
 
 // Effect of one standard deviation of a source, member by member as in CoefficientError.
@@ -80,7 +81,8 @@ class Propagation {
   struct Contribution {
     Eigen::VectorXd variance, dof;  // per coefficient
     SourceKind kind = SourceKind::other;
-    std::string channel = {};
+    std::string channel = {}, device = {};
+    int mass = 0;
   };
   Contribution& add_effect(const std::string& name, double dof, SourceEffect effect);
 

@@ -80,15 +80,20 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
   const double f = omega() / kTwoPi;
   for (const double line : kMainsFundamentals_hz)
     for (int h = 1; h <= harmonics(); ++h) {
+      std::vector<std::string> channels;
       std::string names;
       for (int c = 0; c < live.count(); ++c)
-        if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
-          names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
+        if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds) {
+          channels.push_back(rig.channels[static_cast<std::size_t>(c)].name);
+          names.append(names.empty() ? "" : ", ").append(channels.back());
+        }
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
-      dwell.warnings.push_back(
-          {WarningKind::hum, "hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
-                                 std::to_string(h) + " in " + names + ": choose another frequency or sampling rate"});
+      dwell.warnings.push_back({WarningKind::hum,
+                                "hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                                    std::to_string(h) + " in " + names + ": choose another frequency or sampling rate",
+                                {},
+                                std::move(channels)});
     }
 }
 
@@ -159,7 +164,8 @@ void Pipeline::Impl::warn_of_readings(const std::vector<ChannelResult>& results,
   for (int c = 0; c < live.count(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     const auto warn = [&](const std::string& of) {
-      dwell.warnings.push_back({WarningKind::readings, rig.channels[i].name + ": " + of});
+      const std::string& name = rig.channels[i].name;
+      dwell.warnings.push_back({WarningKind::readings, name + ": " + of, {}, {name}});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
     if (!(results[i].quantization_u > 0)) continue;  // noise smooths the steps of rounding

@@ -107,10 +107,12 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
     const Wander wander = wander_of(results[c]);
     if (std::max(wander.amplitude, wander.phase_rad) > kToleranceShare * rig.tolerance)
-      dwell.warnings.push_back({WarningKind::unsteady, rig.channels[c].name +
-                                                           " is not steady: its ratio to the table varies by " +
-                                                           brief(std::sqrt(scatter.ratio), 2) +
-                                                           " times its noise; check the transducer and its mount"});
+      dwell.warnings.push_back({WarningKind::unsteady,
+                                rig.channels[c].name + " is not steady: its ratio to the table varies by " +
+                                    brief(std::sqrt(scatter.ratio), 2) +
+                                    " times its noise; check the transducer and its mount",
+                                {},
+                                {rig.channels[c].name}});
   }
   const Wander drive_wanders = wander_of(results[table]);
   if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&

@@ -120,7 +120,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
                             effect.clock_u,
                             effect.readings});
   for (Doubt& doubt : result.doubts) dwell.doubts.push_back(std::move(doubt));
-  for (std::string& warning : result.warnings) dwell.warnings.push_back({WarningKind::nonlinear, std::move(warning)});
+  for (Warning& warning : result.warnings) dwell.warnings.push_back(std::move(warning));
 }
 
 }  // namespace dwell

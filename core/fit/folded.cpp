@@ -64,7 +64,9 @@ void warn_of_folded(const Rig& rig, const std::vector<Folded>& folded, Dwell& dw
                               "harmonic " + std::to_string(m) +
                                   " of the drive, if there is any, folds onto the fundamental in " + listed(names) +
                                   ": the sampling rate is a whole multiple of the drive's frequency. ± allows for " +
-                                  brief(100 * part, 2) + " % of the amplitude; change the sampling rate by 1 %"});
+                                  brief(100 * part, 2) + " % of the amplitude; change the sampling rate by 1 %",
+                              {},
+                              names});
   }
 }
 

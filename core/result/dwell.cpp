@@ -51,6 +51,8 @@ const ElementEstimate* element_of(const Dwell& dwell, int k) noexcept {
   return found == dwell.elements.end() ? nullptr : &*found;
 }
 
+bool has_coefficients(const Dwell& dwell) noexcept { return std::isfinite(dwell.settled_s) && !dwell.elements.empty(); }
+
 bool concerns(const Doubt& doubt, int k) noexcept {
   return doubt.elements.empty() || std::find(doubt.elements.begin(), doubt.elements.end(), k) != doubt.elements.end();
 }

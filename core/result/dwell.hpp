@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/result/coefficient_error.hpp"
+#include "core/result/kinds.hpp"
 
 namespace dwell {
 
@@ -55,19 +56,15 @@ struct ChannelPhasor {
   std::string reason;  // why not valid
 };
 
-// What an uncertainty comes from.
-enum class SourceKind : std::uint8_t {
-  other,  // a scale, a delay, a mass, …
-  noise,
-  folded_harmonics,  // that the sampling folds onto the fundamental
-};
-
 struct BudgetShare {
   std::string source;            // for instance "scale of y1"
   double stiffness_share = 0.0;  // part of the variance of c; the shares of an element add up to 1
   double damping_share = 0.0;    // the same of r
   SourceKind kind = SourceKind::other;
-  std::string channel;  // its name; empty: `other`
+  // Whose it is, as SourceKind says: names, empty where there is none; k of the mass, 0 where there is none.
+  std::string channel;
+  std::string device = {};
+  int mass = 0;
 };
 
 struct ElementEstimate {
@@ -89,25 +86,12 @@ struct Doubt {
   bool by_chance = false;  // noise alone may be the cause: nothing is to blame
 };
 
-enum class WarningKind : std::uint8_t {
-  unknown,  // read from the public interface, which has the text alone
-  not_settled,
-  no_coefficients,
-  readings,         // of one channel
-  hum,              // cannot be told from a harmonic, if there is any
-  folded_harmonic,  // of the drive, folds onto the fundamental, if there is any
-  drive_harmonic,   // of the drive, seen and not fitted
-  unsteady,         // the drive, or a channel's ratio to it
-  nonlinear,        // an element, or a channel that distorts
-  growing_chain,
-  sync_pulses,
-  any_motion,  // held against the dwell by the method of any motion
-};
-
 // Something to know about a dwell whose coefficients may be relied on all the same.
 struct Warning {
-  WarningKind kind = WarningKind::unknown;
+  WarningKind kind = WarningKind::other;
   std::string what;
+  std::vector<int> elements = {};          // k of those that it names
+  std::vector<std::string> channels = {};  // names of those that it names
   [[nodiscard]] bool operator==(const Warning&) const = default;
 };
 // How the text of a `not_settled` begins; Dwell::settling_reason follows.
@@ -138,6 +122,9 @@ struct Dwell {
 
 // Estimate of the element k; null: the dwell has none yet. Points into the dwell. Thread-safe, no allocation.
 [[nodiscard]] const ElementEstimate* element_of(const Dwell& dwell, int k) noexcept;
+
+// Whether it has settled and tells of its elements. Thread-safe, no allocation.
+[[nodiscard]] bool has_coefficients(const Dwell& dwell) noexcept;
 
 // Whether the doubt concerns the element k. Thread-safe, no allocation.
 [[nodiscard]] bool concerns(const Doubt& doubt, int k) noexcept;

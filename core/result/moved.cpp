@@ -22,6 +22,19 @@ double two_sided(double part) noexcept {
   return z;
 }
 
+// before: null: the dwell before does not have the element.
+CoefficientMove move_of(const ElementEstimate* before, const ElementEstimate& now, Coefficient ElementEstimate::*which,
+                        double beyond) noexcept {
+  if (before == nullptr || !before->identifiable) return {};
+  const Coefficient &was = before->*which, &is = now.*which;
+  if (!std::isfinite(was.value) || !std::isfinite(is.value) || was.value == 0.0) return {};
+  CoefficientMove move;
+  move.change = (is.value - was.value) / std::abs(was.value);
+  move.U95 = std::hypot(is.U95, was.U95) / std::abs(was.value);
+  move.moved = std::abs(move.change) > beyond * move.U95;
+  return move;
+}
+
 }  // namespace
 
 double moved_beyond(std::size_t compared) noexcept {
@@ -33,6 +46,18 @@ double moved_beyond(const Dwell& dwell) noexcept {
   std::size_t numbers = 0;
   for (const ElementEstimate& element : dwell.elements) numbers += element.identifiable ? 2 : 0;
   return numbers > 0 ? moved_beyond(numbers) : kNaN;
+}
+
+std::vector<ElementMove> moves_since(const Dwell& before, const Dwell& now) {
+  std::vector<ElementMove> moves;
+  const double beyond = moved_beyond(now);
+  for (const ElementEstimate& element : now.elements) {
+    if (!element.identifiable) continue;
+    const ElementEstimate* const was = element_of(before, element.k);
+    moves.push_back({element.k, move_of(was, element, &ElementEstimate::stiffness, beyond),
+                     move_of(was, element, &ElementEstimate::damping, beyond)});
+  }
+  return moves;
 }
 
 }  // namespace dwell

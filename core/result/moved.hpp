@@ -1,8 +1,9 @@
-// From which difference on a coefficient has moved from one dwell to the next. One definition for the page, for watch
-// and for whoever reads the API: docs/method.md, "Whether a coefficient has moved".
+// How far each coefficient has moved from one dwell to the next, and from which difference on it has moved. One
+// definition for the page, for watch and for whoever reads the API: docs/method.md, "Whether a coefficient has moved".
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "core/result/dwell.hpp"
 
@@ -17,5 +18,19 @@ inline constexpr double kFalselyMoved = 0.05;
 
 // For all coefficients of the dwell that have numbers; NaN: it has none.
 [[nodiscard]] double moved_beyond(const Dwell& dwell) noexcept;
+
+// How a coefficient differs from that of the dwell before, as a part of the value before.
+struct CoefficientMove {
+  double change = kNaN;  // NaN: there is nothing to compare with
+  double U95 = kNaN;     // of the change: √(U95² + U95²) of the two dwells
+  bool moved = false;    // |change| > moved_beyond() · U95
+};
+struct ElementMove {
+  int k = 0;
+  CoefficientMove stiffness, damping;
+};
+
+// Of every element that has numbers now. Thread-safe; allocates.
+[[nodiscard]] std::vector<ElementMove> moves_since(const Dwell& before, const Dwell& now);
 
 }  // namespace dwell

@@ -14,9 +14,9 @@ constexpr int kPerAnswer = 100;  // the most that the service tells at once
 constexpr int kMostAnswers =
     10;  // for the 1000 dwells that it keeps; a server that gives less at once gets no more questions
 
-double number_of(const Json& element, const char* coefficient, const char* number) {
+double value_of(const Json& element, const char* coefficient) {
   const Json* const object = member_of(element, coefficient);
-  return object != nullptr ? number_member(*object, number) : kNaN;
+  return object != nullptr ? number_member(*object, "value") : kNaN;
 }
 
 std::optional<EarlierDwell> earlier_dwell(const Json& item, std::int64_t now_ns) {
@@ -27,15 +27,12 @@ std::optional<EarlierDwell> earlier_dwell(const Json& item, std::int64_t now_ns)
     return std::nullopt;
   EarlierDwell dwell;
   dwell.index = static_cast<int>(count_member(item, "index"));
-  dwell.run = text_member(item, "start_utc");
   const double now_s = 1e-9 * static_cast<double>(now_ns - *start_ns);
   dwell.settled_ago_s = now_s - settled_s;
   dwell.ended_ago_s = now_s - end_s;
   for (const Json& element : *elements) {
-    dwell.stiffness.push_back(number_of(element, "stiffness", "value"));
-    dwell.damping.push_back(number_of(element, "damping", "value"));
-    dwell.stiffness_U95.push_back(number_of(element, "stiffness", "U95"));
-    dwell.damping_U95.push_back(number_of(element, "damping", "U95"));
+    dwell.stiffness.push_back(value_of(element, "stiffness"));
+    dwell.damping.push_back(value_of(element, "damping"));
   }
   return dwell;
 }

@@ -1,4 +1,4 @@
-// The dwells that have ended, for watch's trend of the last hour and the deviation from the dwell before.
+// The dwells that have ended, for watch's trend of the last hour.
 // /api/v1/dwells?brief=1 tells them; the service keeps the newest 1000.
 //
 // Bound to one thread, not real-time: allocates.
@@ -16,8 +16,6 @@ struct EarlierDwell {
   int index = 0;
   double settled_ago_s = 0.0, ended_ago_s = 0.0;  // from when and until when its data count, s before now
   std::vector<double> stiffness, damping;         // one per element; NaN: none
-  std::vector<double> stiffness_U95 = {}, damping_U95 = {};
-  std::string run = {};  // its start, UTC; an index begins anew with each
 };
 
 // Those of the list that ended in the last `span_s` and had settled, oldest first. What is no such dwell is left out.

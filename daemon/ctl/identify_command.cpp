@@ -34,7 +34,7 @@ void object(const MotionEstimate& motion, std::vector<Dwell>& dwells) {
     if (objection->grave)
       dwell.doubts.push_back({objection->elements, objection->what});
     else
-      dwell.warnings.push_back({WarningKind::any_motion, objection->what});
+      dwell.warnings.push_back({WarningKind::any_motion, objection->what, objection->elements, {}});
   }
 }
 

@@ -129,11 +129,9 @@ std::string earlier_runs_text(const Json& runs) {
   std::size_t files = 0, dwells = 0;
   if (list == nullptr || !list->is_array()) return {};
   for (const Json& run : *list) {
-    const std::string state = text_member(run, "state");
-    const std::size_t ended = count_member(run, "dwells");
-    if (ended == 0 || state == "recording" || state == "removed") continue;
+    if (text_member(run, "dwells_at").empty()) continue;
     ++files;
-    dwells += ended;
+    dwells += count_member(run, "dwells");
   }
   if (files == 0) return {};
   return "earlier runs: " + std::to_string(dwells) + (dwells == 1 ? " dwell in " : " dwells in ") +

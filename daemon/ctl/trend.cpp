@@ -32,8 +32,6 @@ Line line_of(const std::vector<double>& values, const Coefficient& newest) {
 
 }  // namespace
 
-bool has_coefficients(const Dwell& dwell) { return std::isfinite(dwell.settled_s) && !dwell.elements.empty(); }
-
 std::string sparkline(const std::vector<double>& values, double middle, double reach) {
   constexpr const char* kHeights[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   std::string line;

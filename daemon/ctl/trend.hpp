@@ -25,9 +25,6 @@ namespace dwell::ctl {
 
 inline constexpr std::string_view kTrend = "trend";
 
-// Whether the dwell has settled and tells of its elements.
-[[nodiscard]] bool has_coefficients(const Dwell& dwell);
-
 class Trend {
  public:
   static constexpr double kSpan_s = 3600.0;  // older points are dropped

@@ -174,10 +174,7 @@ class Watch {
     const auto& before = state_.dwell();
     const bool changed = !before || before->dwell.state != view->dwell.state ||
                          before->dwell.index != view->dwell.index || estimated_anew(*before, *view);
-    if (changed) {
-      knows_before_ = before && before->dwell.index == view->dwell.index && knows_before_;
-      knows_since_ = knows_last_ = false;
-    }
+    if (changed) knows_since_ = knows_last_ = false;
     state_.take(std::move(*view), now_s());
     const Dwell& dwell = state_.dwell()->dwell;
     const auto& age = state_.dwell()->age;
@@ -257,27 +254,20 @@ class Watch {
     const Json list = answer ? Json::parse(answer->body, nullptr, false) : Json();
     const Json* const dwells = member_of(list, "dwells");
     if (dwells == nullptr || !dwells->is_array() || dwells->empty()) return;
-    if (auto last = parse_dwell(dwells->back().dump())) state_.take_last(std::move(*last), now_s());
+    if (auto last = parse_dwell(dwells->back().dump())) state_.take_last(std::move(*last));
   }
 
-  // Once for each stream: the dwells of the last hour, for the trend. Once for each dwell that begins: how the one
-  // before ended, for the deviation from it. utc: the service's now.
+  // Once for each stream: the dwells of the last hour, for the trend. utc: the service's now.
   void ask_earlier(const std::string& utc, const HttpLimits& limits) {
-    if (knows_earlier_ && knows_before_) return;
+    if (knows_earlier_) return;
     const auto answer = [&](const std::string& path) -> std::optional<Json> {
       const auto answered = http_get(url_, path, limits);
       if (!answered) return std::nullopt;
       return Json::parse(answered->body, nullptr, false);
     };
-    if (knows_earlier_) {
-      const auto newest = answer("/api/v1/dwells?brief=1&count=1");
-      if (newest) state_.take(earlier_dwells(*newest, utc, Trend::kSpan_s), now_s());
-      knows_before_ = newest.has_value();
-      return;
-    }
     const auto dwells = ask_earlier_dwells(answer, utc, Trend::kSpan_s);
     if (dwells) state_.take(*dwells, now_s());
-    knows_earlier_ = knows_before_ = dwells.has_value();
+    knows_earlier_ = dwells.has_value();
   }
 
   // Signals and keys. true: the operator ends it.
@@ -404,8 +394,7 @@ class Watch {
   Page page_;                  // as last shown
   SteadyClock::time_point shown_;
   bool connected_ = false;
-  bool knows_earlier_ = false;  // the dwells of the last hour …
-  bool knows_before_ = false;   // … and how the one before that in view ended
+  bool knows_earlier_ = false;  // the dwells of the last hour
   bool knows_since_ = false;    // since when the state is so, or that nobody tells it
   bool knows_last_ = false;     // the last dwell, where there is none now
   bool back_ = false;           // connected again, and not yet said

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "daemon/ctl/deviation.hpp"
 #include "daemon/report/limit_text.hpp"
 #include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
@@ -244,7 +245,7 @@ void put_last(std::vector<Section>& sections, const WatchState& state, std::size
 // Behind the coefficients: how they moved over the hour, and against the dwell before, in the same columns.
 void put_changes(std::vector<Section>& sections, const WatchState& state, std::size_t columns, double now_s) {
   Section changes = state.trend().section(*state.dwell(), now_s, columns);
-  Section deviation = state.deviation().section(*state.dwell(), now_s, columns);
+  Section deviation = deviation_section(*state.dwell(), state.before_ago_s(now_s), columns);
   if (changes.body.empty()) {
     changes = std::move(deviation);
   } else if (!deviation.body.empty()) {

@@ -27,10 +27,8 @@ std::vector<ChannelState> channel_states(const Json& list) {
   for (const Json& item : list) {
     ChannelState channel;
     channel.name = text_member(item, "name");
-    channel.status = text_member(item, "status");
-    if (channel.status == "ok") channel.status.clear();
-    const std::string reason = text_member(item, "reason");
-    if (!reason.empty() && reason != channel.status) channel.status += (channel.status.empty() ? "" : ": ") + reason;
+    if (text_member(item, "status") != "ok" || !text_member(item, "reason").empty())
+      channel.status = text_member(item, "text");
     channel.age_s = number_member(item, "age_s");
     channels.push_back(std::move(channel));
   }
@@ -64,16 +62,10 @@ std::optional<std::int64_t> state_since(const Json& events, State state) {
   const Json* const list = member_of(events, "events");
   if (list == nullptr || !list->is_array()) return std::nullopt;
   for (auto event = list->rbegin(); event != list->rend(); ++event) {
-    const std::string text = text_member(*event, "text");
-    if (text.rfind("state ", 0) != 0) continue;
-    // "state BEFORE -> NOW, …": the newest of them tells.
-    const std::string arrow = std::string(" -> ") + to_string(state);
-    const auto at = text.find(arrow);
+    const std::string began = text_member(*event, "state");
+    if (began.empty()) continue;  // it tells of no change of state
     const auto utc_ns = record::parse_utc(text_member(*event, "utc"));
-    if (at == std::string::npos || !utc_ns) return std::nullopt;
-    const auto end = at + arrow.size();
-    if (end < text.size() && text[end] != ',' && text[end] != ':') return std::nullopt;
-    return *utc_ns;
+    return began == to_string(state) && utc_ns ? std::optional(*utc_ns) : std::nullopt;
   }
   return std::nullopt;
 }
@@ -98,7 +90,6 @@ void WatchState::take(DwellView dwell, double now_s) {
   heard_s_ = now_s;
   renewals_.told(now_s);
   trend_.take(dwell, now_s);
-  deviation_.take(dwell, now_s);
   keep_verdicts(dwell);
   if (has_coefficients(dwell.dwell)) last_ = dwell;
   dwell_ = std::move(dwell);
@@ -166,11 +157,15 @@ std::optional<std::int64_t> WatchState::since_utc_ns() const {
   return std::nullopt;
 }
 
-double WatchState::data_ago_s(const DwellView& view, double now_s) const {
+double WatchState::ago_s(const std::string& start_utc, double t_s, double now_s) const {
   const auto now_ns = utc_ns(now_s);
-  const auto start_ns = record::parse_utc(view.run.start_utc);
+  const auto start_ns = record::parse_utc(start_utc);
   if (!now_ns || !start_ns) return kNaN;
-  return 1e-9 * static_cast<double>(*now_ns - *start_ns) - view.dwell.end_s;
+  return 1e-9 * static_cast<double>(*now_ns - *start_ns) - t_s;
+}
+
+double WatchState::before_ago_s(double now_s) const {
+  return dwell_ && dwell_->since ? ago_s(dwell_->since->start_utc, dwell_->since->end_s, now_s) : kNaN;
 }
 
 double WatchState::ended_ago_s(double now_s) const { return ended() ? data_ago_s(*dwell_, now_s) : kNaN; }
@@ -181,9 +176,8 @@ const DwellView* WatchState::last() const {
   return none && last_ ? &*last_ : nullptr;
 }
 
-void WatchState::take_last(DwellView dwell, double now_s) {
+void WatchState::take_last(DwellView dwell) {
   if (!has_coefficients(dwell.dwell)) return;
-  deviation_.take(dwell, now_s);
   last_ = std::move(dwell);
 }
 

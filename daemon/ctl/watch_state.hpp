@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "daemon/ctl/alarm_table.hpp"
-#include "daemon/ctl/deviation.hpp"
 #include "daemon/ctl/trend.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/report/dwell_view.hpp"
@@ -92,15 +91,12 @@ class WatchState {
   // What is to be known of the GPIO lines, as lines that end with a newline each.
   void take_gpio(std::string lines, double now_s);
   // The newest dwell that has ended, as the service's list has it.
-  void take_last(DwellView dwell, double now_s);
+  void take_last(DwellView dwell);
   void take_run(std::string text) { run_ = std::move(text); }
   // Since when the service is in this state, where the dwell does not tell it.
   void take_since(State state, std::int64_t utc_ns) { since_ = {state, utc_ns}; }
   // The dwells that ended before the stream began, while it was lost, or meanwhile.
-  void take(const std::vector<EarlierDwell>& dwells, double now_s) {
-    trend_.take_earlier(dwells, now_s);
-    deviation_.take_earlier(dwells, now_s);
-  }
+  void take(const std::vector<EarlierDwell>& dwells, double now_s) { trend_.take_earlier(dwells, now_s); }
 
   // Since the dwell's data last moved on, s; while there are none: since it was published. Infinite: no dwell yet.
   [[nodiscard]] double age_s(double now_s) const;
@@ -134,7 +130,8 @@ class WatchState {
 
   // Of the dwells that were taken.
   [[nodiscard]] const Trend& trend() const noexcept { return trend_; }
-  [[nodiscard]] const Deviation& deviation() const noexcept { return deviation_; }
+  // Since the end of the dwell with which that in view is compared, s; NaN: not known.
+  [[nodiscard]] double before_ago_s(double now_s) const;
 
   // The newest dwell that gave coefficients, while that in view is none (idle, fault); null: none is known.
   [[nodiscard]] const DwellView* last() const;
@@ -157,8 +154,12 @@ class WatchState {
   // The limits of the current dwell lose their verdicts when it ends. Those told before are kept where the numbers are
   // the same.
   void keep_verdicts(DwellView& ended) const;
-  // How old the dwell's newest data are by the service's clock, s; NaN: not known.
-  [[nodiscard]] double data_ago_s(const DwellView& view, double now_s) const;
+  // Time since t_s on the axis of the run that began at start_utc, by the service's clock, s; NaN: not known.
+  [[nodiscard]] double ago_s(const std::string& start_utc, double t_s, double now_s) const;
+  // How old the dwell's newest data are.
+  [[nodiscard]] double data_ago_s(const DwellView& view, double now_s) const {
+    return ago_s(view.run.start_utc, view.dwell.end_s, now_s);
+  }
   [[nodiscard]] bool stale() const { return dwell_ && dwell_->age && dwell_->age->stale; }
 
   std::optional<DwellView> dwell_, last_;
@@ -167,7 +168,6 @@ class WatchState {
   double heard_s_ = kNever;                    // anything
   Renewals renewals_;
   Trend trend_;
-  Deviation deviation_;
   std::string run_;
   std::optional<std::pair<State, std::int64_t>> since_;
   Heard<std::vector<ChannelState>> channels_;

@@ -106,6 +106,13 @@ void RunCycle::obey(const Record& request) {
   }
 }
 
+void RunCycle::remember_earlier() {
+  const FinishedDwells& all = *live_.front()->measurement().finished().list();
+  const auto newest =
+      std::find_if(all.rbegin(), all.rend(), [](const auto& dwell) { return has_coefficients(*dwell); });
+  if (newest != all.rend()) earlier_ = {*newest, live_.front()->start_utc_ns()};
+}
+
 void RunCycle::begin(std::uint16_t request) {
   while (live_.size() > 1) drop(live_.size() - 1);
   past_ = {};
@@ -126,6 +133,7 @@ void RunCycle::end(EndOfRun why, std::uint16_t request) {
   record.channel = request;
   give(record);
   live_.front()->finish();
+  remember_earlier();
   run_.on = false;
 }
 
@@ -218,6 +226,7 @@ void RunCycle::show(Snapshot& to) {
   to.dwell = run_.held ? past_.last : shown.measurement().current();
   to.finished = past ? past_.finished : finished.list();
   to.forgotten = past ? past_.forgotten : finished.forgotten();
+  to.earlier = earlier_;
   for (const auto& pipeline : live_)
     if (pipeline->model() != nullptr)
       pipeline->model()->gather(pipeline->measurement().readings(), pipeline->origin_ns());

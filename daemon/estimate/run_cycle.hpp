@@ -92,6 +92,8 @@ class RunCycle {
   void replace(std::unique_ptr<RunPipeline> newborn);
   [[nodiscard]] static Past left_by(RunPipeline& run);
   void drop(std::size_t pipeline);
+  // Keeps the newest dwell with coefficients of the run that has ended.
+  void remember_earlier();
   void told(RunPipeline& by, RunEvent event);
   void tell_state();
   [[nodiscard]] bool nothing_waits() const noexcept;
@@ -106,6 +108,7 @@ class RunCycle {
   KnownStates states_;
   RunView run_;
   Past past_;
+  EarlierDwell earlier_;
   State told_ = State::idle;
   std::int64_t newest_ns_ = 0;  // of the stream
   std::int64_t first_utc_ns_ = 0, utc_less_now_ns_ = 0;

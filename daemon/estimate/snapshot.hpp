@@ -80,6 +80,12 @@ using VerifiedModels = std::vector<VerifiedModel>;
 
 using FinishedDwells = std::vector<std::shared_ptr<const Dwell>>;
 
+// The newest dwell with coefficients of an earlier run of the session.
+struct EarlierDwell {
+  std::shared_ptr<const Dwell> dwell;  // null: there is none
+  std::int64_t start_utc_ns = 0;       // t = 0 of its run
+};
+
 struct Snapshot {
   std::uint64_t sequence = 0;     // 0: nothing published yet
   std::int64_t t_ns = 0;          // CLOCK_MONOTONIC_RAW
@@ -97,6 +103,7 @@ struct Snapshot {
   std::vector<DeviceView> devices;
   std::shared_ptr<const FinishedDwells> finished;  // oldest first
   std::uint64_t forgotten = 0;                     // finished dwells no longer kept
+  EarlierDwell earlier;
   std::uint64_t skipped_turns = 0;  // turns of the estimation thread that came too late and were left out
 };
 

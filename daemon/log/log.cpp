@@ -147,9 +147,12 @@ void Log::write(Level level, std::string_view message, std::initializer_list<Log
   try {
     const std::string payload = make_payload(message, fields);
     impl_->lines.fetch_add(1, std::memory_order_relaxed);
+    const auto* const state =
+        std::find_if(fields.begin(), fields.end(), [](const LogField& field) { return field.first == kStateField; });
     if (level >= impl_->level)
       impl_->newest.push(level, message_of(payload),
-                         std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count());
+                         std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(),
+                         state != fields.end() ? state->second : std::string_view());
     impl_->logger->log(to_spdlog(level), spdlog::string_view_t(payload.data(), payload.size()));
   } catch (...) {
     impl_->failed.fetch_add(1, std::memory_order_relaxed);

@@ -21,6 +21,9 @@ namespace dwell {
 // A journald field beside the message, for instance {"DWELL_DEVICE", "amplifier"}.
 using LogField = std::pair<std::string_view, std::string_view>;
 
+// The field of a line that tells a change of state: the state that begins.
+inline constexpr std::string_view kStateField = "DWELL_STATE";
+
 struct LogOptions {
   std::string file;                          // empty: none
   std::size_t file_bytes = 8 * 1024 * 1024;  // a file is rotated beyond this …

@@ -18,7 +18,7 @@ const char* to_string(Level level) noexcept {
   return "?";
 }
 
-void NewestLines::push(Level level, std::string_view text, std::int64_t utc_ns) {
+void NewestLines::push(Level level, std::string_view text, std::int64_t utc_ns, std::string_view state) {
   std::string kept(text.substr(0, kBytes));
   if (text.size() > kBytes) {
     // Not within a character of several bytes.
@@ -26,7 +26,7 @@ void NewestLines::push(Level level, std::string_view text, std::int64_t utc_ns) 
     kept += "…";
   }
   const std::lock_guard lock(mutex_);
-  lines_.push_back({++total_, utc_ns, level, std::move(kept)});
+  lines_.push_back({++total_, utc_ns, level, std::move(kept), std::string(state)});
   if (lines_.size() > kLines) lines_.pop_front();
 }
 

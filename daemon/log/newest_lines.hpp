@@ -20,6 +20,7 @@ struct LogLine {
   std::int64_t utc_ns = 0;
   Level level = Level::info;
   std::string text;
+  std::string state{};  // that began, as /api/v1/dwell names it; empty: the line tells of no change of state
 };
 
 class NewestLines {
@@ -29,7 +30,8 @@ class NewestLines {
   // Of one line; the rest is cut off. A dwell of 30 elements has 3 kB.
   static constexpr std::size_t kBytes = 4096;
 
-  void push(Level level, std::string_view text, std::int64_t utc_ns);
+  // state: as in LogLine.
+  void push(Level level, std::string_view text, std::int64_t utc_ns, std::string_view state = {});
 
   // Oldest first: from a number on, or the newest; at most `count`.
   [[nodiscard]] std::vector<LogLine> from(std::uint64_t number, std::size_t count) const;

@@ -16,7 +16,7 @@ class LogLines final : public Outlet {
     if (event.kind == RunEvent::Kind::dwell_finished) {
       log_.info(finished_line(*event.dwell, rig));
     } else {
-      log_.info(state_line(event.before, *event.dwell), {{"DWELL_STATE", to_string(event.dwell->state)}});
+      log_.info(state_line(event.before, *event.dwell), {{kStateField, to_string(event.dwell->state)}});
     }
   }
 

@@ -1,7 +1,7 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
 import { limitOf } from './limits.mjs';
-import { hasEnded, isGeneral, modelOf, utcMs, whom } from './wording.mjs';
+import { hasEnded, isGeneral, modelOf, utcMs, warningsOf, whom } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
 // c_1, r_1 … of an element, as people write them.
@@ -13,32 +13,13 @@ export const COEFFICIENTS = [
   { key: 'damping', letter: 'r', name: 'damping' },
 ];
 
-// Whether a text names the element ("element 2", "elements 1, 3 and 4", "elements 1 … 4"; "mass 2" does not count) …
-export function namesElement(text, k) {
-  for (const [, numbers] of text.matchAll(/\belements? (\d+(?:(?:, | and | … )\d+)*)/g)) {
-    for (const part of numbers.split(/, | and /)) {
-      const [first, last = first] = part.split(' … ').map(Number);
-      if (first <= k && k <= last) return true;
-    }
-  }
-  return false;
-}
-// … or the channel.
-export function namesChannel(text, name) {
-  const at = text.split(/[^\p{L}\p{N}_-]+/u);
-  return at.includes(name) || (/[^\p{L}\p{N}_-]/u.test(name) && text.includes(name));
-}
-
 // Each warning stands once: beside the elements that it names, else with the channels that it names, else with the dwell.
-function unsaid(dwell) {
-  const said = new Set(dwell.doubts.map((doubt) => doubt.what));
-  return dwell.warnings.filter((text) => !said.has(text) && !text.startsWith('not settled: ') &&
-    !dwell.elements.some((e) => namesElement(text, e.k)));
-}
+const unsaid = (dwell) => warningsOf(dwell).filter((warning) => !dwell.elements.some((e) => warning.elements.includes(e.k)));
 // While the table rests the page has no phasors, so the channels' warnings stand with the dwell's.
-const namesSomeChannel = (dwell, text) => dwell.state !== 'idle' && dwell.phasors.some((p) => namesChannel(text, p.channel));
-export const channelWarnings = (dwell) => unsaid(dwell).filter((text) => namesSomeChannel(dwell, text));
-export const generalWarnings = (dwell) => unsaid(dwell).filter((text) => !namesSomeChannel(dwell, text));
+const namesChannels = (dwell, warning) => dwell.state !== 'idle' && warning.channels.length > 0;
+const textOf = ({ text }) => text;
+export const channelWarnings = (dwell) => unsaid(dwell).filter((warning) => namesChannels(dwell, warning)).map(textOf);
+export const generalWarnings = (dwell) => unsaid(dwell).filter((warning) => !namesChannels(dwell, warning)).map(textOf);
 
 // Names a dwell among all of a service's runs: its index begins anew with each.
 export const keyOf = (dwell) => `${dwell.start_utc} ${dwell.index}`;
@@ -173,8 +154,7 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
       budget: e.budget ?? [],
       last: before ? cellsOf(before, before.doubts.length > 0, ageText(now - before.seen), before.limits) : null,
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
-        ...dwell.warnings.filter((text) => namesElement(text, e.k) && !dwell.doubts.some((d) => d.what === text))
-          .map((text) => ({ tone: 'care', text }))],
+        ...warningsOf(dwell).filter(({ elements }) => elements.includes(e.k)).map(({ text }) => ({ tone: 'care', text }))],
     };
   }) });
 

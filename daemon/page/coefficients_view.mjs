@@ -2,7 +2,7 @@
 import { budgetOf } from './budget.mjs';
 import { COEFFICIENTS, coefficientsOf, generalWarnings, legendOf, subscript } from './coefficients.mjs';
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
-import { trendPaths } from './history.mjs';
+import { deviationOf, trendPaths } from './history.mjs';
 import { percentText } from './number.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -45,10 +45,10 @@ function renewTrend(node, cell, view, source) {
   trend.classList.toggle('none', !paths);
   setAttributes(trend.children[0], { d: paths?.band ?? '' });
   setAttributes(trend.children[1], { d: paths?.line ?? '' });
-  const moved = source === 'measured' ? view.history.deviation(cell.of[0], k, view.dwell) : null;
+  const moved = source === 'measured' ? deviationOf(view.dwell, cell.of[0], k, view.nowMs) : null;
   setText(deviation, moved?.text ?? '');
   const long = (moved?.text.length ?? 0) > SHORT;
-  setAttributes(deviation, { class: `deviation${moved?.beyond ? ' beyond' : ''}${long ? ' long' : ''}` });
+  setAttributes(deviation, { class: `deviation${moved?.moved ? ' beyond' : ''}${long ? ' long' : ''}` });
 }
 
 function renewLimit(node, { limit, struck }) {

@@ -4,7 +4,7 @@ import { about, COEFFICIENTS, marksOf, subscript } from './coefficients.mjs';
 import { h, setText } from './dom.mjs';
 import { limitOf } from './limits.mjs';
 import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
-import { dwellsPath, fromRun } from './runs.mjs';
+import { fromRun } from './runs.mjs';
 import { modelOf, whom } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -31,7 +31,7 @@ function contentOf(d, from) {
   const model = modelOf({ ...d, state: 'complete' }, null);
   return [
     h('ul', { class: 'notes' }, ...(from ? [h('li', { 'data-tone': from.tone }, from.text)] : []), ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${whom([doubt])}: ${doubt.what}`)),
-    ...d.warnings.filter((text) => !d.doubts.some((doubt) => doubt.what === text)).map((text) => h('li', { 'data-tone': 'care' }, text))),
+    ...d.warnings.filter((_, i) => d.warned[i].kind !== 'doubt').map((text) => h('li', { 'data-tone': 'care' }, text))),
     h('ul', { class: 'plain' }, ...d.elements.map((e) => elementItem(d, e))),
     h('dl', { class: 'facts' },
       line('data', settled ? `${secondsText(d.settled_s, 2)} to ${secondsText(d.end_s, 2)} of the run` : 'never settled'),
@@ -47,7 +47,7 @@ function contentOf(d, from) {
 
 // run: as in /api/v1/runs, the recorded run that it comes from; null: the service knows it without a file.
 export async function openDwell(brief, run) {
-  const path = run ? `${dwellsPath(run)}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
+  const path = run ? `${run.dwells_at}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
   setText($('dwell-title'), `Dwell ${brief.index}${run ? ` of run ${run.run}` : ''}`);
   $('dwell-json').href = path;
   $('dwell-content').replaceChildren(h('p', {}, 'loading …'));

@@ -1,15 +1,18 @@
 // Whose dwells the table shows: those of now, or of an earlier run that is chosen, which the service reads from its file.
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
 import { instantText } from './number.mjs';
-import { begunAt, dwellsPath, earlierRuns, fromRun } from './runs.mjs';
+import { earlierRuns, fromRun } from './runs.mjs';
 
 const $ = (id) => document.getElementById(id);
 const NOW = '';
 
 let chosen = null; // { file, dwells: null while they are read, total, why: why there are none }
 
+let runs = []; // as shown last
+
 async function choose(file, changed) {
-  if (file === NOW) {
+  const run = runs.find((one) => one.file === file);
+  if (!run) {
     chosen = null;
     return changed();
   }
@@ -17,7 +20,7 @@ async function choose(file, changed) {
   chosen = asked;
   changed();
   try {
-    const answer = await fetch(`${dwellsPath({ file })}?count=100`);
+    const answer = await fetch(`${run.dwells_at}?count=100`);
     const told = await answer.json();
     if (!answer.ok) throw new Error(told.error);
     Object.assign(asked, { dwells: told.dwells, total: told.total });
@@ -33,14 +36,16 @@ export function beginEarlier(changed) {
 }
 
 // The run that a dwell of the table comes from; null: the service tells it without a file. dwell: the current one.
-export function runOfDwell(finished, { dwell, runs }) {
-  if (chosen) return runs.find((run) => run.file === chosen.file) ?? null;
-  return dwell && finished.start_utc !== dwell.start_utc ? begunAt(finished.start_utc, runs) : null;
+export function runOfDwell(finished, { dwell, runs: told }) {
+  if (!chosen && (!dwell || finished.start_utc === dwell.start_utc)) return null;
+  const file = chosen ? chosen.file : finished.file;
+  return earlierRuns(told).find((run) => run.file === file) ?? null;
 }
 
 // { dwells, text } of the chosen run, text where there is something to say of them; null: those of now are shown.
-export function earlierDwells({ runs, nowMs }) {
-  const all = earlierRuns(runs);
+export function earlierDwells({ runs: told, nowMs }) {
+  const all = earlierRuns(told);
+  runs = all;
   if (chosen && !all.some((run) => run.file === chosen.file)) chosen = null; // its file has gone
   show($('dwells-choice'), all.length > 0);
   keyed($('dwells-run'), [{ file: NOW }, ...all], (run) => run.file, (run) => h('option', { value: run.file }), (option, run) =>

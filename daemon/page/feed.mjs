@@ -22,7 +22,7 @@ export class Feed {
   channels = null;
   alarms = null;
   events = [];
-  dwells = []; // summaries of finished ones, oldest first
+  dwells = []; // summaries of finished ones, oldest first, each with the file of its run; null: it is not recorded
   runs = []; // the newest
   runsTotal = 0; // how many the service has
   verification = null; // the newest of the run; asked for while the dwell's model has no verdict, for the reason
@@ -152,7 +152,7 @@ export class Feed {
     if (events.next < this.#nextEvent) this.events = [];
     if (events.next < this.#nextEvent && events.events.length === 0) this.#nextEvent = 0;
     else this.#nextEvent = events.next;
-    this.events = [...this.events, ...events.events.map(withState)].slice(-KEPT_EVENTS);
+    this.events = [...this.events, ...events.events].slice(-KEPT_EVENTS);
 
     const run = this.dwell?.start_utc;
     // The model of a dwell may be verified after its end: then that dwell is asked for once more.
@@ -160,7 +160,8 @@ export class Feed {
     const from = newest ? newest.index + (newest.model?.verdict === NOT_VERIFIED ? 0 : 1) : null;
     const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from}` : ''}`);
     const known = new Set(list.dwells.map(keyOf));
-    this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells].slice(-KEPT_DWELLS);
+    const { file } = list; // with each run the list begins anew
+    this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells.map((d) => ({ ...d, file }))].slice(-KEPT_DWELLS);
     for (const dwell of list.dwells) {
       const ended = utcMs(dwell, dwell.end_s);
       if (ended === null) continue;
@@ -170,10 +171,4 @@ export class Feed {
     await this.#askWhyUnverified();
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
   }
-}
-
-// What a line tells of a change of state.
-function withState(event) {
-  const state = event.text.match(/^state \w+ -> (\w+)/)?.[1];
-  return state ? { ...event, kind: 'state', state } : event;
 }

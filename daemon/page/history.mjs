@@ -1,4 +1,4 @@
-// How each coefficient has moved over the last hour, and against the dwell before. Pure.
+// How each coefficient has moved over the last hour, and, as the service tells it, since the dwell before. Pure.
 import { keyOf } from './coefficients.mjs';
 import { utcMs } from './wording.mjs';
 import { instantText, isNumber, numberText } from './number.mjs';
@@ -16,7 +16,7 @@ const COLUMNS = { stiffness: 0, damping: 2 };
 const WIDTH = 4;
 
 // A state of a dwell. row: where its numbers stand; ms: when it was so, UTC; from: since when its data count, UTC in ms;
-// dwell: { key, index, run: its start_utc, ended: the service's list has told the end }.
+// dwell: { key, ended: the service's list has told the end }.
 const makePoint = (row) => ({ row, ms: NaN, from: NaN, dwell: null });
 
 export class History {
@@ -94,7 +94,7 @@ export class History {
   }
 
   #write(point, dwell, ms) {
-    point.dwell = this.#dwellOf(dwell) ?? { key: keyOf(dwell), index: dwell.index, run: dwell.start_utc, ended: false };
+    point.dwell = this.#dwellOf(dwell) ?? { key: keyOf(dwell), ended: false };
     point.ms = ms;
     point.from = utcMs(dwell, dwell.settled_s) ?? ms;
     this.#widen(Math.max(...dwell.elements.map((e) => e.k)));
@@ -141,27 +141,21 @@ export class History {
     if (dwell && !dwell.ended && this.#points.at(-1)?.ms !== ms) add(this.#live);
     return list;
   }
+}
 
-  // How the coefficient differs from that of the settled dwell before: { text, beyond }. beyond: it has moved, by more
-  // than the service says that chance moves any of them. null: there is nothing to say.
-  deviation(coefficient, k, dwell) {
-    const element = dwell.elements.find((e) => e.k === k);
-    const now = element?.identifiable ? element[coefficient] : null;
-    const key = keyOf(dwell);
-    const before = this.#points.findLast((p) => p.dwell.key !== key);
-    if (!before || !now || !isNumber(now.value)) return null;
-    const { index, run } = before.dwell;
-    const which = `dwell ${index}${run === dwell.start_utc ? '' : ` of an earlier run (${instantText(before.ms, this.#live.ms)})`}`;
-    const was = this.#numberOf(before, coefficient, k);
-    if (!was) return { beyond: false, text: `nothing to compare with: ${which} has no number` };
-    if (was.value === 0) return null;
-    const change = (now.value - was.value) / Math.abs(was.value);
-    const U = Math.hypot(now.U95, was.U95) / Math.abs(was.value);
-    const beyond = isNumber(dwell.moved_beyond) && Math.abs(change) > dwell.moved_beyond * U;
-    const sign = change < 0 ? '\u2212' : '+';
-    const { value, u } = numberText(100 * Math.abs(change), 100 * U, '%');
-    return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since ${which}` };
-  }
+// How the coefficient of a live dwell differs from that of the settled dwell before: { text, moved }. null: there is
+// nothing to say.
+export function deviationOf(dwell, coefficient, k, nowMs) {
+  const { since } = dwell;
+  const element = since?.elements.find((e) => e.k === k);
+  if (!element) return null;
+  const earlier = since.start_utc === dwell.start_utc ? '' : ` of an earlier run (${instantText(utcMs(since, since.end_s), nowMs)})`;
+  const which = `dwell ${since.index}${earlier}`;
+  const move = element[coefficient];
+  if (!move) return { moved: false, text: `nothing to compare with: ${which} has no number` };
+  const { value, u } = numberText(100 * Math.abs(move.change), 100 * move.U95, '%');
+  const sign = Number(value) === 0 ? '' : move.change < 0 ? '\u2212' : '+';
+  return { moved: move.moved, text: `${move.moved ? 'moved by ' : ''}${sign}${value} ± ${u} % since ${which}` };
 }
 
 // Where a trend is drawn, in a box of this size: the band value ± U95 and the line in its middle, as paths; dwells are

@@ -1,5 +1,5 @@
 // What is said of a limit of the rig file: by value ± U95, as the service judged it. Pure.
-import { isNumber, MAX_DIGITS, plainText } from './number.mjs';
+import { isNumber, joined, MAX_DIGITS, plainParts } from './number.mjs';
 
 // Each verdict has a word and a shape; a colour only the one that is abnormal.
 export const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
@@ -7,27 +7,25 @@ export const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '�
 // At least these digits of a bound; more until the text is the bound: a rounded one would look kept, or violated, where
 // it is not.
 const LEAST_DIGITS = 4;
-function boundText(bound, unit) {
+function boundParts(bound, unit) {
   let digits = LEAST_DIGITS;
   while (digits < MAX_DIGITS && Number(bound.toPrecision(digits)) !== bound) ++digits;
-  return plainText(bound, unit, digits);
+  return plainParts(bound, unit, digits);
 }
 
 // A limit may have one end: the other is null.
-const end = ({ low, high, unit }) => boundText(low ?? high, unit);
+const end = ({ low, high, unit }) => joined(boundParts(low ?? high, unit));
 
 function boundsText(limit) {
   const { low, high, unit } = limit;
   if (low === null) return `at most ${end(limit)}`;
   if (high === null) return `at least ${end(limit)}`;
-  const [a, b] = [boundText(low, unit), boundText(high, unit)];
-  const [, number, its] = a.match(/^(\S+) (.*)$/) ?? [null, a, ''];
-  return `${b.endsWith(` ${its}`) ? number : a} to ${b}`;
+  const [a, b] = [boundParts(low, unit), boundParts(high, unit)];
+  return `${a.unit === b.unit ? a.value : joined(a)} to ${joined(b)}`;
 }
 
 // A doubt stands in full once, above the numbers or beside the element.
-const DOUBTED = 'the number must not be relied on';
-const shortReason = (reason) => (reason?.startsWith(DOUBTED) ? DOUBTED : reason);
+const shortReason = ({ doubted, reason }) => (doubted ? 'the number must not be relied on' : reason);
 
 // Of the coefficient (key: "stiffness", "damping") of element k; null: it has no limit, or it has no number to be held
 // against it.
@@ -40,7 +38,7 @@ export function limitOf(dwell, key, k) {
     kept: `limit kept: ${bounds}`,
     undecided: `limit undecided: ± reaches over ${oneEnd ? end(limit) : `an end of ${bounds}`}`,
     violated: `limit violated: ${oneEnd ? 'not' : 'outside'} ${bounds}`,
-    none: `no verdict on the limit${oneEnd ? ' of' : ''} ${bounds}: ${shortReason(limit.reason)}`,
+    none: `no verdict on the limit${oneEnd ? ' of' : ''} ${bounds}: ${shortReason(limit)}`,
   };
   return { verdict: limit.verdict, text: `${SHAPES[limit.verdict]} ${words[limit.verdict]}` };
 }

@@ -2,6 +2,7 @@
 import { isNumber } from './number.mjs';
 
 const QUANTITIES = ['displacement', 'velocity', 'acceleration'];
+const PER_TIME = ['', '/s', '/s2']; // at the end of their units
 
 const times = (a, b) => [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
 const plus = (a, b) => [a[0] + b[0], a[1] + b[1]];
@@ -39,7 +40,8 @@ export function modeShapeOf(dwell, channels) {
   const clamped = channels.some((c) => c.at === 'ground');
   const last = Math.max(dwell.elements.length - (clamped ? 1 : 0), ...channels.map((c) => (isNumber(c.at) ? c.at : 0)));
   const nodes = Array.from({ length: last + 1 }, (_, at) => ({ at, known: motions.has(at), motion: motions.get(at) ?? [0, 0] }));
-  const unit = told[0].p.unit.startsWith('rad') ? 'rad' : 'm';
+  const [{ p, c }] = told;
+  const unit = p.unit.slice(0, p.unit.length - PER_TIME[QUANTITIES.indexOf(c.measures)].length);
   return { unit, clamped, frequency_hz: f, nodes };
 }
 

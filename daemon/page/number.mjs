@@ -82,13 +82,15 @@ export function numberText(value, U, unit) {
   return text;
 }
 
-// A value without an uncertainty, with so many significant digits.
-export function plainText(value, unit, digits) {
-  if (!isNumber(value)) return NO_NUMBER;
+// { value, unit } of a value without an uncertainty, with so many significant digits.
+export function plainParts(value, unit, digits) {
+  if (!isNumber(value)) return { value: NO_NUMBER, unit: '' };
   const v = value === 0 ? { digits: '0', quantum: 0 } : significant(value, digits);
   const [power, unitText] = choosePower(isZero(v) ? 0 : order(v), unit);
-  return `${value < 0 ? '\u2212' : ''}${place(v, power)}${unitText ? ` ${unitText}` : ''}`;
+  return { value: `${value < 0 ? '\u2212' : ''}${place(v, power)}`, unit: unitText };
 }
+
+export const plainText = (value, unit, digits) => joined(plainParts(value, unit, digits));
 
 export function joined({ value, u, unit }) {
   return `${value}${u ? ` ± ${u}` : ''}${unit ? ` ${unit}` : ''}`;

@@ -34,15 +34,7 @@ export const olderRunsText = (shown, total) =>
   (shown < total ? `The newest ${shown} of ${total} runs. Older ones: dwellctl runs, or dwellctl runs FOLDER where they are recorded.` : '');
 
 // Runs whose dwells can be opened, the newest first: those of the run that goes on are told without its file.
-export const earlierRuns = (runs) => runs.filter((run) => run.dwells > 0 && !['recording', 'removed'].includes(run.state)).reverse();
-
-// The run that began at this instant, UTC; null: none did. Recorder and estimation each read the clock: their instants
-// of one beginning differ by less than this. Two runs never begin within it.
-const SAME_BEGIN_MS = 1000;
-export const begunAt = (utc, runs) => earlierRuns(runs).find((run) => Math.abs(Date.parse(run.begun) - Date.parse(utc)) < SAME_BEGIN_MS) ?? null;
-
-// Where the dwells of a recorded run are told.
-export const dwellsPath = (run) => `/api/v1/runs/${encodeURIComponent(run.file)}/dwells`;
+export const earlierRuns = (runs) => runs.filter((run) => run.dwells_at).reverse();
 
 // What must be known of dwells that come from a run's file.
 export function fromRun(run) {

@@ -36,7 +36,7 @@ function showChannels({ channels, health, fresh, now }) {
     const overdue = c.calibration?.overdue === true;
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
     return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s,
-      cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
+      cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, c.text,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,
         count(c.received), count(c.dropped), count(c.lost), count(c.gaps), calibrationText(c.calibration)] };
@@ -59,12 +59,13 @@ function showEvents({ events, health, nowMs }) {
     h('span', {}, e.text)), (node, e) => setText(node.firstChild, dateText(e.utc, nowMs)));
 }
 
-// { text, verdict: on its limit } of each coefficient, by its symbol. A mark stands before the number.
+// { text, verdict: on its limit, doubted } of each coefficient, by its symbol. A mark stands before the number.
 function coefficientCells(dwell) {
   return COEFFICIENTS.flatMap(({ key, letter }) => dwell.elements.map((e) => {
     const verdict = e.identifiable ? limitOf(dwell, key, e.k)?.verdict ?? '' : '';
-    const marks = [...(about(dwell.doubts, e.k).length > 0 ? ['?'] : []), ...(verdict && verdict !== 'none' ? [SHAPES[verdict]] : [])];
-    return [letter + subscript(e.k), { verdict,
+    const doubted = about(dwell.doubts, e.k).length > 0;
+    const marks = [...(doubted ? ['?'] : []), ...(verdict && verdict !== 'none' ? [SHAPES[verdict]] : [])];
+    return [letter + subscript(e.k), { verdict, doubted: doubted && e.identifiable,
       text: e.identifiable ? [...marks, joined(numberText(e[key].value, e[key].U95, e[key].unit))].join(' ') : NO_NUMBER }];
   }));
 }
@@ -101,7 +102,7 @@ function showDwells(view) {
     ].map((text) => cell(text)),
     ...COEFFICIENTS.flatMap(({ letter }) => ks.map((k) => {
       const number = numbers.get(letter + subscript(k));
-      return cell(number?.text ?? NO_NUMBER, number?.verdict, number?.text.startsWith('?'));
+      return cell(number?.text ?? NO_NUMBER, number?.verdict, number?.doubted);
     })), cell(''), cell(d.ended_by));
   }, (node, d) => {
     const before = !earlier && dwell !== null && d.start_utc !== dwell.start_utc;

@@ -5,8 +5,8 @@ import { setText, show } from './dom.mjs';
 const $ = (id) => document.getElementById(id);
 const kiosk = new URLSearchParams(location.search).has('kiosk');
 
-// Alarms are counted in the head.
-const PARTS = [['warnings', 'warnings of the dwell'], ['legend', 'notes on the coefficients'], ['traces', 'traces'],
+// Alarms are counted in the head. Of the traces the strip itself counts, not what is free below it.
+const PARTS = [['warnings', 'warnings of the dwell'], ['legend', 'notes on the coefficients'], ['trace-plot', 'traces'],
   ['phasor-notes', 'warnings of channels']];
 
 const bottomOf = (node) => node.getBoundingClientRect().bottom; // 0 where it is hidden
@@ -36,5 +36,8 @@ export function showBeyond() {
   layOut();
   const on = beyond(window.innerHeight).length > 0;
   show($('beyond'), on);
-  if (on) setText($('beyond'), `▼ no room here for: ${beyond(window.innerHeight - $('beyond').offsetHeight).join(', ')}`);
+  const foot_px = window.innerHeight - (on ? $('beyond').offsetHeight : 0);
+  // A strip that is cut off would look whole: what is named as without room is not seen.
+  $('traces').classList.toggle('beyond', bottomOf($('trace-plot')) > foot_px);
+  if (on) setText($('beyond'), `▼ no room here for: ${beyond(foot_px).join(', ')}`);
 }

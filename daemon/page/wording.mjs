@@ -42,11 +42,13 @@ export function limitsText(dwell) {
   return { text: parts.length > 0 ? parts.join(', ') : 'all kept', tone: violated ? 'alarm' : 'calm' };
 }
 
-// How many warnings a dwell has beside its doubts; that it has not settled is its state. null: none.
-export function warningsText(dwell) {
-  const n = (dwell?.warnings ?? []).filter((text) => !text.startsWith('not settled: ') && !dwell.doubts.some((doubt) => doubt.what === text)).length;
-  return n === 0 ? null : String(n);
-}
+// The warnings of a dwell beside its doubts: { text, kind, elements, channels } as the service tells them. That it has not
+// settled is its state.
+export const warningsOf = (dwell) => dwell.warnings.map((text, i) => ({ text, ...dwell.warned[i] }))
+  .filter(({ kind }) => kind !== 'doubt' && kind !== 'not settled');
+
+// How many these are. null: none.
+export const warningsText = (dwell) => (dwell && warningsOf(dwell).length > 0 ? String(warningsOf(dwell).length) : null);
 
 // The state as the page must show it. view: { dwell, health, fresh, now, refused: nobody is logged
 // in, and nothing may be read }; dwell and health may be null.
@@ -128,7 +130,7 @@ export function sinceMs(dwell, events) {
   if (dwell.state === 'settling') return utcMs(dwell, dwell.start_s);
   if (dwell.state === 'measuring') return utcMs(dwell, dwell.verdict_s);
   if (dwell.state === 'complete') return utcMs(dwell, dwell.end_s);
-  const newest = events.findLast((event) => event.kind === 'state');
+  const newest = events.findLast((event) => event.state !== null);
   return newest?.state === dwell.state && newest.utc ? Date.parse(newest.utc) : null;
 }
 
@@ -155,28 +157,20 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   if (channels && fresh.answersOld(now))
     add('alarm', `channels, devices and alarms are ${ageText(fresh.answersAge_s(now))} old: the service does not tell of them`);
   const alike = new Map();
-  const quiet = new Map(); // channels whose own status is no trouble, by the name that a trouble of theirs has
+  const fails = (name, why) => alike.set(why, [...(alike.get(why) ?? []), name]);
+  const quiet = new Set(); // channels whose own status is no trouble
   for (const channel of channels ?? []) {
-    if (isWell(channel)) {
-      quiet.set(`channel:${channel.name}`, channel.name);
-      continue;
-    }
-    const why = !channel.reason ? channel.status : channel.reason.startsWith(channel.status) ? channel.reason : `${channel.status}, ${channel.reason}`;
-    alike.set(why, [...(alike.get(why) ?? []), channel.name]);
+    if (isWell(channel)) quiet.add(channel.name);
+    else fails(channel.name, channel.text);
   }
-  for (const trouble of health?.troubles ?? []) {
-    const front = `channel ${quiet.get(trouble.name)}: `;
-    if (!trouble.text.startsWith(front)) continue;
-    const why = trouble.text.slice(front.length);
-    alike.set(why, [...(alike.get(why) ?? []), quiet.get(trouble.name)]);
-    quiet.delete(trouble.name);
-  }
+  for (const trouble of health?.troubles ?? [])
+    if (trouble.kind === 'channel' && quiet.has(trouble.channel)) fails(trouble.channel, trouble.why);
   for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);
   // Of the service's troubles only those that the page tells nowhere else: of a channel whose own status is fine, and of
   // the dwell while it is measured. Others stand in the state, beside a number, or are added here below.
   for (const trouble of health?.troubles ?? []) {
-    if (trouble.name.startsWith('calibration:')) add('care', trouble.text);
-    if (quiet.has(trouble.name) || (trouble.name === 'dwell' && dwell.state === 'measuring')) add('alarm', trouble.text);
+    if (trouble.kind === 'calibration') add('care', trouble.text);
+    if (trouble.kind === 'dwell' && dwell.state === 'measuring') add('alarm', trouble.text);
   }
   for (const [name, line] of Object.entries(health?.gpio ?? {})) {
     if (!line.works) add('alarm', `GPIO ${name}: ${line.reason ?? 'does not work'}`);

@@ -28,8 +28,12 @@ Json coefficient(const Coefficient& c, const char* unit) {
 // Most objects of a dwell's JSON are shares of budgets. An initializer list would copy each member several times.
 Json budget_share(const BudgetShare& share) {
   Json::object_t object;
-  object.reserve(3);
+  object.reserve(5);
   object.emplace("source", share.source);
+  if (share.kind != SourceKind::other) object.emplace("kind", to_string(share.kind));
+  if (!share.channel.empty()) object.emplace("channel", share.channel);
+  if (!share.device.empty()) object.emplace("device", share.device);
+  if (share.mass > 0) object.emplace("mass", share.mass);
   object.emplace("stiffness_share", json_number(share.stiffness_share));
   object.emplace("damping_share", json_number(share.damping_share));
   return object;
@@ -64,6 +68,22 @@ Json model_value(const ModelVerdict& model) {
           {"objection", model.objection.empty() ? Json(nullptr) : Json(model.objection)}};
 }
 
+Json move_value(const CoefficientMove& move) {
+  if (!std::isfinite(move.change)) return nullptr;
+  return {{"change", move.change}, {"U95", json_number(move.U95)}, {"moved", move.moved}};
+}
+
+Json since_value(const SinceBefore& since) {
+  Json elements = Json::array();
+  for (const ElementMove& element : since.elements)
+    elements.push_back(
+        {{"k", element.k}, {"stiffness", move_value(element.stiffness)}, {"damping", move_value(element.damping)}});
+  return {{"index", since.index},
+          {"start_utc", json_text(since.start_utc)},
+          {"end_s", json_number(since.end_s)},
+          {"elements", std::move(elements)}};
+}
+
 Json limit_value(const JudgedLimit& limit, Motion motion) {
   const bool stiffness = limit.kind == CoefficientKind::stiffness;
   return {{"element", limit.element},
@@ -72,7 +92,37 @@ Json limit_value(const JudgedLimit& limit, Motion motion) {
           {"high", json_number(limit.bounds.high)},
           {"unit", stiffness ? stiffness_unit(motion) : damping_unit(motion)},
           {"verdict", to_string(limit.verdict)},
+          {"doubted", limit.doubted},
           {"reason", json_text(limit.reason)}};
+}
+
+constexpr const char* kDoubtKind = "doubt";  // beside the words of WarningKind
+
+// Of what each line of `warnings` warns.
+Json warned(const char* kind, const std::vector<int>& elements, const std::vector<std::string>& channels) {
+  return {{"kind", kind}, {"elements", elements}, {"channels", channels}};
+}
+
+// `warnings`, `warned` and `doubts`.
+void add_warnings(const Dwell& dwell, Json& object) {
+  Json texts = Json::array(), kinds = Json::array(), doubts = Json::array();
+  for (const Doubt& doubt : dwell.doubts) {
+    doubts.push_back({{"elements", doubt.elements}, {"what", doubt.what}});
+    texts.push_back(doubt.what);  // for whoever reads only these
+    kinds.push_back(warned(kDoubtKind, doubt.elements, {}));
+  }
+  for (const Warning& warning : dwell.warnings) {
+    texts.push_back(warning.what);
+    kinds.push_back(warned(to_string(warning.kind), warning.elements, warning.channels));
+  }
+  // A reader who sees no coefficients must find the reason where the interface promises it.
+  if (!std::isfinite(dwell.settled_s) && texts.empty()) {
+    texts.push_back(kNotSettled + (dwell.settling_reason.empty() ? "no reason stated" : dwell.settling_reason));
+    kinds.push_back(warned(to_string(WarningKind::not_settled), {}, {}));
+  }
+  object["warnings"] = std::move(texts);
+  object["warned"] = std::move(kinds);
+  object["doubts"] = std::move(doubts);
 }
 
 }  // namespace
@@ -148,18 +198,7 @@ Json json_value(const DwellView& view, Detail detail) {
   for (const JudgedLimit& limit : view.limits) object["limits"].push_back(limit_value(limit, view.motion));
   if (detail == Detail::whole) object["covariance"] = settled ? json_square(d.covariance) : Json::array();
 
-  Json doubts = Json::array(), warnings = Json::array();
-  for (const Doubt& doubt : d.doubts) {
-    doubts.push_back({{"elements", doubt.elements}, {"what", doubt.what}});
-    warnings.push_back(doubt.what);  // for whoever reads only these
-  }
-  for (const Warning& warning : d.warnings) warnings.push_back(warning.what);
-  // A reader who sees no coefficients must find the reason where the interface promises it.
-  if (!settled && warnings.empty()) {
-    warnings.push_back(kNotSettled + (d.settling_reason.empty() ? "no reason stated" : d.settling_reason));
-  }
-  object["warnings"] = std::move(warnings);
-  object["doubts"] = std::move(doubts);
+  add_warnings(d, object);
   object["unstated"] = d.unstated;
   object["motion"] = view.transient ? json_value(*view.transient, detail) : Json(nullptr);
   object["motion_reason"] = json_text(view.transient ? view.transient->estimate.reason : "");
@@ -168,6 +207,8 @@ Json json_value(const DwellView& view, Detail detail) {
     object["estimate_age_s"] = json_number(view.age->s);
     object["stale"] = view.age->stale;
     object["moved_beyond"] = json_number(settled ? moved_beyond(d) : kNaN);
+    // People read it once a second: it is not among what moves.
+    if (detail == Detail::whole) object["since"] = view.since ? since_value(*view.since) : Json(nullptr);
   }
   return object;
 }

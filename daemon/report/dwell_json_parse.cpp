@@ -49,6 +49,17 @@ ChannelPhasor phasor(const Json& value) {
   return p;
 }
 
+// The kind and whose it is: of a program that knew none, they are left out.
+BudgetShare budget_share(const Json& value) {
+  BudgetShare share{
+      string_of(value, "source"), real_of(value, "stiffness_share"), real_of(value, "damping_share"), {}, {}};
+  if (value.contains("kind")) share.kind = named(string_of(value, "kind"), "kind", SourceKind::second_order);
+  if (value.contains("channel")) share.channel = string_of(value, "channel");
+  if (value.contains("device")) share.device = string_of(value, "device");
+  if (value.contains("mass")) share.mass = integer(value["mass"], "mass");
+  return share;
+}
+
 ElementEstimate element(const Json& value, Motion& motion) {
   ElementEstimate e;
   e.k = integer(member(value, "k"), "k");
@@ -61,13 +72,7 @@ ElementEstimate element(const Json& value, Motion& motion) {
   e.stiffness = coefficient(member(value, "stiffness"));
   e.damping = coefficient(member(value, "damping"));
   e.loss_factor = estimate(member(value, "loss_factor"));
-  for (const Json& share : array_of(value, "budget")) {
-    e.budget.push_back({string_of(share, "source"),
-                        real_of(share, "stiffness_share"),
-                        real_of(share, "damping_share"),
-                        SourceKind::other,
-                        {}});
-  }
+  for (const Json& share : array_of(value, "budget")) e.budget.push_back(budget_share(share));
   return e;
 }
 
@@ -136,9 +141,44 @@ std::optional<LiveAge> age_of(const Json& value) {
   return LiveAge{real_of(value, "estimate_age_s"), boolean_of(value, "stale")};
 }
 
-// The interface has the text alone. Of all kinds only this one is treated in another way.
-WarningKind kind_of(const std::string& warning) {
-  return warning.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::unknown;
+CoefficientMove move_of(const Json& value) {
+  if (value.is_null()) return {};
+  return {real_of(value, "change"), real_of(value, "U95"), boolean_of(value, "moved")};
+}
+
+// Of a dwell that is not measured now, or of a service that does not tell: none.
+std::optional<SinceBefore> since_of(const Json& value) {
+  const auto found = value.find("since");
+  if (found == value.end() || found->is_null()) return std::nullopt;
+  SinceBefore since{integer(member(*found, "index"), "index"), string_of(*found, "start_utc"),
+                    real_of(*found, "end_s")};
+  for (const Json& element : array_of(*found, "elements"))
+    since.elements.push_back({integer(member(element, "k"), "k"), move_of(member(element, "stiffness")),
+                              move_of(member(element, "damping"))});
+  return since;
+}
+
+// A line of `warnings` that is no doubt. told: its entry of `warned`; null: of a program that told the text alone. Then
+// only the kind that is treated in another way is recognized.
+Warning warning_of(const std::string& text, const Json* told) {
+  if (told == nullptr)
+    return {text.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::other, text, {}, {}};
+  Warning warning{named(string_of(*told, "kind"), "kind", WarningKind::any_motion), text, {}, {}};
+  for (const Json& k : array_of(*told, "elements")) warning.elements.push_back(integer(k, "elements"));
+  warning.channels = strings_of(*told, "channels");
+  return warning;
+}
+
+// The doubts come first among the warnings, repeated for whoever reads only these.
+std::vector<Warning> warnings_of(const Json& value, std::size_t doubts) {
+  const std::vector<std::string> texts = strings_of(value, "warnings");
+  if (texts.size() < doubts) fail("warnings", "the doubts, repeated");
+  const Json* const told = value.contains("warned") ? &array_of(value, "warned") : nullptr;
+  if (told != nullptr && told->size() != texts.size()) fail("warned", "one entry for each of the warnings");
+  std::vector<Warning> warnings;
+  for (std::size_t i = doubts; i < texts.size(); ++i)
+    warnings.push_back(warning_of(texts[i], told != nullptr ? &(*told)[i] : nullptr));
+  return warnings;
 }
 
 DwellView parse(const Json& value) {
@@ -172,11 +212,7 @@ DwellView parse(const Json& value) {
     for (const Json& k : array_of(entry, "elements")) doubt.elements.push_back(integer(k, "elements"));
     doubt.what = string_of(entry, "what");
   }
-  const std::vector<std::string> warnings = strings_of(value, "warnings");
-  // The doubts come first among the warnings, repeated for whoever reads only these.
-  if (warnings.size() < d.doubts.size()) fail("warnings", "the doubts, repeated");
-  for (std::size_t i = d.doubts.size(); i < warnings.size(); ++i)
-    d.warnings.push_back({kind_of(warnings[i]), warnings[i]});
+  d.warnings = warnings_of(value, d.doubts.size());
   d.unstated = strings_of(value, "unstated");
   view.transient = motion_of(value);
   view.model = model_of(value);
@@ -184,6 +220,7 @@ DwellView parse(const Json& value) {
   for (JudgedLimit& limit : view.limits)
     limit.doubted = limit.verdict == LimitVerdict::none && doubt_of(d, limit.element) != nullptr;
   view.age = age_of(value);
+  view.since = since_of(value);
   return view;
 }
 

@@ -12,7 +12,8 @@ namespace dwell {
 
 using Json = nlohmann::ordered_json;  // members stay in the order of the interface's document
 
-// whole: the object of the interface. moving: without `covariance` and without every `budget`, which are most of it.
+// whole: the object of the interface. moving: without `covariance`, without every `budget`, which are most of it, and
+// without `since`.
 enum class Detail : std::uint8_t { whole, moving };
 
 [[nodiscard]] Json json_value(const DwellView& view, Detail detail = Detail::whole);

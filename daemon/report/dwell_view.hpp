@@ -11,6 +11,7 @@
 
 #include "config/units.hpp"
 #include "core/result/dwell.hpp"
+#include "core/result/moved.hpp"
 #include "core/result/verification.hpp"
 #include "core/rig/limit.hpp"
 #include "core/rig/rig.hpp"
@@ -37,6 +38,14 @@ struct LiveAge {
   bool stale = false;  // the service's judgement: nothing of the dwell is known to be true now
 };
 
+// How a live dwell's coefficients differ from those of the settled dwell before it.
+struct SinceBefore {
+  int index = 0;          // of the dwell before …
+  std::string start_utc;  // … its run's t = 0, ISO 8601 …
+  double end_s = kNaN;    // … and its end on that run's axis
+  std::vector<ElementMove> elements = {};
+};
+
 struct DwellView {
   Motion motion = Motion::translation;
   std::vector<ChannelLabel> channels;  // one per Dwell::phasors
@@ -49,6 +58,8 @@ struct DwellView {
   std::optional<ModelVerdict> model = std::nullopt;
   std::vector<JudgedLimit> limits = {};       // the rig's, by this dwell's coefficients
   std::optional<LiveAge> age = std::nullopt;  // of a live dwell
+  // Of a live dwell that is measured; nullopt: no settled dwell before it is known.
+  std::optional<SinceBefore> since = std::nullopt;
 };
 
 // Units as the JSON writes them (ASCII).

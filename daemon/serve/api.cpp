@@ -11,6 +11,7 @@
 #include "daemon/report/dwell_brief.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_parts.hpp"
 #include "daemon/report/verification_json.hpp"
 #include "daemon/serve/alarms_json.hpp"
 #include "daemon/serve/channel_status.hpp"
@@ -80,6 +81,7 @@ Json channels_json(const ServiceView& view) {
                     {"relative_to", relative_to ? place(*relative_to) : Json(nullptr)},
                     {"status", status_of(channel)},
                     {"reason", reason_of(channel)},
+                    {"text", status_text(channel)},
                     {"age_s", number(reading_age_s(channel, view.now_ns))},
                     {"rate_hz", rate_of(view, channel)},
                     {"clock", channel.clock.kind == Clock::device ? "device" : "host"},
@@ -155,7 +157,12 @@ Json run_json(const ServiceView& view) {
 Json troubles_json(const Health& health) {
   Json list = Json::array();
   for (const Trouble& trouble : health.troubles)
-    list.push_back({{"name", trouble.name}, {"text", trouble.text}, {"degrades", trouble.degrades}});
+    list.push_back({{"name", trouble.name},
+                    {"kind", to_string(trouble.kind)},
+                    {"channel", json_text(trouble.channel)},
+                    {"text", trouble.text},
+                    {"why", json_text(trouble.why)},
+                    {"degrades", trouble.degrades}});
   return list;
 }
 
@@ -209,6 +216,12 @@ Json health_json(const ServiceView& view) {
           {"recorder", recorder_json(view)}};
 }
 
+// Of the run whose dwells are told; null: it is not recorded.
+Json file_of_dwells(const ServiceView& view) {
+  const record::ListedRun* const run = run_of_dwells(view);
+  return run == nullptr ? Json(nullptr) : Json(run->file);
+}
+
 const FinishedDwells& finished(const ServiceView& view) {
   static const FinishedDwells kNone;
   return view.snapshot.finished ? *view.snapshot.finished : kNone;
@@ -242,7 +255,7 @@ HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
   HttpReply reply;
   reply.body = "{\"rig\":" + dump(view.rig.name) +
                ",\"total\":" + std::to_string(all.size() + view.snapshot.forgotten) +
-               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) +
+               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) + ",\"file\":" + dump(file_of_dwells(view)) +
                ",\"next\":" + (next ? std::to_string(*next) : "null") + ",\"dwells\":[";
   for (std::size_t i = 0; i < texts.size(); ++i) (reply.body += i > 0 ? "," : "") += texts[i];
   reply.body += "]}";

@@ -1,6 +1,8 @@
 // How a channel stands, in one word. Pure, thread-safe.
 #pragma once
 
+#include <string>
+
 #include "daemon/estimate/snapshot.hpp"
 
 namespace dwell {
@@ -11,6 +13,14 @@ namespace dwell {
   if (channel.overrange) return to_string(Condition::overrange);
   // A channel that delivers has been heard; its condition may not have been judged yet.
   return to_string(channel.condition == Condition::unheard ? Condition::ok : channel.condition);
+}
+
+// How it stands, as a line for people: the word, and the reason where it says more. Allocates.
+[[nodiscard]] inline std::string status_text(const ChannelView& channel) {
+  const std::string word = status_of(channel);
+  const std::string& reason = channel.fault != Fault::none ? channel.reason : channel.condition_reason;
+  if (reason.empty()) return word;
+  return reason.starts_with(word) ? reason : word + ": " + reason;
 }
 
 // Time since its newest reading was taken in, s; NaN: never heard. now_ns: CLOCK_MONOTONIC_RAW.

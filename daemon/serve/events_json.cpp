@@ -2,6 +2,7 @@
 
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_parts.hpp"
 #include "daemon/serve/page_query.hpp"
 
 namespace dwell {
@@ -19,6 +20,7 @@ HttpReply events_answer(const ServiceView& view, std::string_view query) {
     events.push_back({{"number", line.number},
                       {"utc", record::iso_utc(line.utc_ns)},
                       {"level", to_string(line.level)},
+                      {"state", json_text(line.state)},
                       {"text", line.text}});
   const std::uint64_t last = lines.empty() ? all.total() : lines.back().number;
   return {200, dump(Json{{"total", all.total()}, {"next", last + 1}, {"events", std::move(events)}})};

@@ -1,10 +1,13 @@
 #include "daemon/serve/recorder_json.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <iterator>
 #include <tuple>
 #include <utility>
 
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/json_parts.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/page_query.hpp"
@@ -66,6 +69,12 @@ std::string no_download(const ServiceView& view, const ListedRun& run) {
   return view.recording.state ? "" : "this service does not record";
 }
 
+// Where the dwells of the run's file are told; null: they are not, or there are none.
+Json dwells_json(const ServiceView& view, const ListedRun& run) {
+  if (run.dwells == 0 || !no_dwells(view, run).empty()) return nullptr;
+  return std::string(kRunFiles) + percent_encoded(run.file) + "/dwells";
+}
+
 Json no_verdict(const char* state, const std::string& reason) {
   return {{"state", state},     {"where", nullptr}, {"until_s", nullptr},
           {"trusted", nullptr}, {"utc", nullptr},   {"reason", reason}};
@@ -99,6 +108,30 @@ Json next_json(ListedRuns::const_iterator next) {
 }
 
 }  // namespace
+
+const ListedRun* run_of_dwells(const ServiceView& view) {
+  // Recorder and estimation each read the clock, so their instants of one beginning differ by less than this. Two runs
+  // never begin within it.
+  constexpr std::int64_t kSameBegin_ns = 1'000'000'000;
+  const auto begun_ns = record::parse_utc(view.run.start_utc);
+  if (!begun_ns || !view.recording.state) return nullptr;
+  const auto begun_then = [&begun_ns](const ListedRun& run) {
+    const auto utc_ns = record::parse_utc(run.begun_utc);
+    return utc_ns && std::abs(*utc_ns - *begun_ns) < kSameBegin_ns;
+  };
+  const record::RecorderState& state = *view.recording.state;
+  if (state.recording && begun_then(state.run)) return &state.run;
+  if (!view.recording.runs) return nullptr;
+  const auto run = std::find_if(view.recording.runs->rbegin(), view.recording.runs->rend(), begun_then);
+  return run == view.recording.runs->rend() ? nullptr : &*run;
+}
+
+std::string no_dwells(const ServiceView& view, const ListedRun& run) {
+  if (is_removed(view, run)) return "its file was removed";
+  if (goes_on(view, run)) return "the run goes on: /api/v1/dwells tells its dwells";
+  if (run.linked) return "its file is a link, and none is followed";
+  return view.recording.state ? "" : "this service does not record";
+}
 
 HttpReply run_file_answer(const ServiceView& view, std::string_view file) {
   static const ListedRuns kNone;
@@ -154,6 +187,7 @@ HttpReply runs_answer(const ServiceView& view, std::string_view query) {
     const std::string why = no_download(view, *run);
     object["download"] = why.empty() ? Json(std::string(kRunFiles) + run->file) : Json(nullptr);
     object["no_download"] = json_text(why);
+    object["dwells_at"] = dwells_json(view, *run);
     object["audit"] = audit_json(view, *run, static_cast<std::size_t>(all.end() - run) - 1);
     runs.push_back(std::move(object));
   }

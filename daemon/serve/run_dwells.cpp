@@ -206,9 +206,7 @@ std::string why_not(const ServiceView& now, std::string_view file) {
   const record::ListedRuns& all = now.recording.runs ? *now.recording.runs : kNone;
   const auto run = std::find_if(all.begin(), all.end(), [&](const auto& listed) { return listed.file == file; });
   if (run == all.end()) return "there is no run of this name: expected a FILE that /api/v1/runs lists";
-  if (run->state == "recording" || (now.recording.state->recording && now.recording.state->run.file == file))
-    return "the run goes on: /api/v1/dwells tells its dwells";
-  return run->linked ? "its file is a link, and none is followed" : "";
+  return no_dwells(now, *run);
 }
 
 }  // namespace

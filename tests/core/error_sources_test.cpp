@@ -171,6 +171,39 @@ TEST(ErrorSources, InstantsThatATransactionSharesAreOneSourceNamedByItsChannels)
   EXPECT_EQ(all.at("turnaround of line (reaction)")[0].readings[0].late_s, 1e-3);
 }
 
+TEST(ErrorSources, EachTellsItsKindAndWhoseItIs) {
+  SourcesOfBench bench;
+  bench.rig.devices = {{"line", 0.0, 1e-4}};
+  bench.rig.mass_u = {0.1, 0.0};
+  Channel& y1 = bench.rig.channels[1];
+  y1.device = 0;
+  y1.scale_u = 0.01;
+  y1.delay_u_s = 1e-3;
+  y1.lowpass = {FilterKind::butterworth, 2, 60, 3};
+  bench.read_anew();
+  bench.evidence[1].turnaround_u_s = bench.evidence[1].refresh_u_s = 1e-3;
+  bench.evidence[1].quantization_u = 1e-6;
+  bench.evidence[1].folded_u = 1e-6;
+  bench.evidence[1].covariance = bench.evidence[1].transient = 1e-12 * Eigen::Matrix2d::Identity();
+  std::map<std::string, std::string> told;
+  for (const auto& [name, sources] : bench.list(1e-3, 1e-6))
+    told[name] = std::string(to_string(sources[0].kind)) + "|" + sources[0].channel + "|" + sources[0].device + "|" +
+                 std::to_string(sources[0].mass);
+  EXPECT_EQ(told, (std::map<std::string, std::string>{{"noise of y1", "noise|y1||0"},
+                                                      {"transient left in y1", "transient left|y1||0"},
+                                                      {"quantization of y1", "quantization|y1||0"},
+                                                      {"folded harmonics of y1", "folded harmonics|y1||0"},
+                                                      {"scale of y1", "scale|y1||0"},
+                                                      {"refresh of y1", "refresh|y1||0"},
+                                                      {"delay of y1", "delay|y1||0"},
+                                                      {"low-pass of y1", "low-pass|y1||0"},
+                                                      {"delay of line", "delay||line|0"},
+                                                      {"turnaround of line", "turnaround||line|0"},
+                                                      {"mass 1", "mass|||1"},
+                                                      {"frequency", "frequency|||0"},
+                                                      {"clock rate", "clock rate|||0"}}));
+}
+
 TEST(ErrorSources, AChannelThatIsNotUsedHasNone) {
   SourcesOfBench bench;
   for (std::size_t c = 0; c < 4; ++c) bench.rig.channels[c].scale_u = 0.01;

@@ -114,9 +114,9 @@ ElementsResult estimate(const Rig& rig, const std::vector<Evidence>& evidence) {
   return estimate_elements(rig, gain, evidence, {kLinearityOmega, 0, 0});
 }
 
-std::string all(const std::vector<std::string>& warnings) {
+std::string all(const std::vector<Warning>& warnings) {
   std::string text;
-  for (const std::string& warning : warnings) text += warning + "\n";
+  for (const Warning& warning : warnings) text += warning.what + "\n";
   return text;
 }
 
@@ -136,6 +136,8 @@ TEST(Linearity, FrictionIsHeldAgainstTheDissipativeForceNotAgainstTheWhole) {
   for (const char* named : {"element 1", "equivalent damping at this amplitude", "damping force 15.7 N",
                             "Friction of about 10 N", " % of r"})
     EXPECT_TRUE(says(result, named)) << all(result.warnings);
+  EXPECT_EQ(result.warnings[0].kind, WarningKind::nonlinear);
+  EXPECT_EQ(result.warnings[0].elements, std::vector<int>{1});
 }
 
 TEST(Linearity, OfAChainTheElementThatRubsIsNamedAndNoOther) {
@@ -190,6 +192,8 @@ TEST(Linearity, ATransducerThatCompressesIsNamedWhereSeveralElementsShowIt) {
       const ElementsResult result = estimate(rig, evidence);
       EXPECT_TRUE(says(result, rig.channels[c].name + " distorts")) << all(result.warnings);
       EXPECT_TRUE(says(result, third > 0 ? " too small" : " too large")) << all(result.warnings);
+      const std::vector<std::string>& channels = result.warnings.back().channels;
+      EXPECT_NE(std::find(channels.begin(), channels.end(), rig.channels[c].name), channels.end());
     }
 }
 

@@ -212,8 +212,10 @@ TEST(CommandLine, AnswersThatAreNotTheServicesAreExitCode3) {
 
 TEST(CommandLine, ChannelsAndDwellsAreTablesOrJson) {
   const std::string channels = R"({"channels":[{"name":"y0","value":1.5,"unit":"mm","status":"ok"}]})";
-  const std::string runs = R"({"runs":[{"state":"closed","dwells":4},{"state":"cut off","dwells":2},)"
-                           R"({"state":"closed","dwells":0},{"state":"recording","dwells":3}]})";
+  const std::string runs =
+      R"({"runs":[{"state":"closed","dwells":4,"dwells_at":"/a"},)"
+      R"({"state":"cut off","dwells":2,"dwells_at":"/b"},{"state":"closed","dwells":0,"dwells_at":null},)"
+      R"({"state":"recording","dwells":3,"dwells_at":null}]})";
   const std::string dwells = R"({"rig":"bench","total":7,"dwells":[)" + sample_text() + "]}";
   ScriptedServer server({Reply{http_reply(200, channels)}, Reply{http_reply(200, channels)},
                          Reply{http_reply(200, dwells)}, Reply{http_reply(200, R"({"runs":[]})")},

@@ -18,24 +18,25 @@ namespace dwell::ctl {
 namespace {
 
 // The dwell of this index, with this stiffness of element 1 (U95 3 N/m) and this damping (U95 0.5 N·s/m).
-DwellView view_of(int index, double stiffness, double damping = 60.0, State state = State::measuring) {
+Dwell dwell_of(int index, double stiffness, double damping = 60.0) {
   Dwell dwell = test::sample_dwell();
   dwell.index = index;
-  dwell.state = state;
   dwell.elements.resize(1);
   dwell.elements[0].stiffness.value = stiffness;
   dwell.elements[0].stiffness.U95 = 3.0;
   dwell.elements[0].damping.value = damping;
   dwell.elements[0].damping.U95 = 0.5;
-  return make_view(dwell, test::sample_rig(), test::sample_run());
+  return dwell;
 }
 
-EarlierDwell ended(int index, double ago_s, double stiffness, std::string run = test::sample_run().start_utc) {
-  return {index, ago_s + 30.0, ago_s, {stiffness}, {60.0}, {4.0}, {0.5}, std::move(run)};
+DwellView view_of(const Dwell& dwell, const Dwell& before, std::string run = test::sample_run().start_utc) {
+  DwellView view = make_view(dwell, test::sample_rig(), test::sample_run());
+  view.since = SinceBefore{before.index.value_or(0), std::move(run), before.end_s, moves_since(before, dwell)};
+  return view;
 }
 
-std::string text_of(const Deviation& deviation, const DwellView& view, double now_s = 100.0) {
-  const Section section = deviation.section(view, now_s, 80);
+std::string text_of(const DwellView& view, double before_ago_s = kNaN) {
+  const Section section = deviation_section(view, before_ago_s, 80);
   std::string text;
   for (const std::vector<TextLine>* lines : {&section.head, &section.body})
     for (const TextLine& line : *lines) text += line.text + "\n";
@@ -43,16 +44,16 @@ std::string text_of(const Deviation& deviation, const DwellView& view, double no
 }
 
 TEST(Deviation, IsStatedWithTheU95OfBothAndSaysWhatIsBeyondIt) {
-  Deviation deviation;
-  deviation.take(view_of(1, 1000.0), 10.0);
-  EXPECT_EQ(text_of(deviation, view_of(1, 1000.0)), "") << "there is no dwell before";
-  const DwellView now = view_of(2, 1010.0, 59.7);
-  deviation.take(now, 50.0);
-  EXPECT_EQ(text_of(deviation, now), R"(change since dwell 1; moved: by more than chance (one false alarm in 20 dwells)
+  const DwellView now = view_of(dwell_of(2, 1010.0, 59.7), dwell_of(1, 1000.0));
+  EXPECT_EQ(text_of(now), R"(change since dwell 1; moved: by more than chance (one false alarm in 20 dwells)
 element  stiffness                         damping
       1  +1.00 ± 0.42 % moved              -0.5 ± 1.2 %
 )");
-  EXPECT_EQ(deviation.section(now, 50.0, 80).body[0].style, Style::title) << "bold: it has moved";
+  EXPECT_EQ(deviation_section(now, kNaN, 80).body[0].style, Style::title) << "bold: it has moved";
+}
+
+TEST(Deviation, WithoutADwellBeforeThereIsNone) {
+  EXPECT_EQ(text_of(make_view(dwell_of(1, 1000.0), test::sample_rig(), test::sample_run())), "");
 }
 
 // At the level of one coefficient, among eight of them one moved in a third of the dwells.
@@ -76,68 +77,50 @@ TEST(Deviation, CountsTheCoefficientsThatHaveNumbers) {
   EXPECT_EQ(moved_beyond(1), 1.0);
   EXPECT_NEAR(moved_beyond(2), 2.236477 / kNormal95, 1e-6);
   EXPECT_NEAR(moved_beyond(200), 3.655748 / kNormal95, 1e-6);
-  EXPECT_EQ(moved_beyond(view_of(1, 1000.0).dwell), moved_beyond(2)) << "one element";
+  EXPECT_EQ(moved_beyond(dwell_of(1, 1000.0)), moved_beyond(2)) << "one element";
   EXPECT_TRUE(std::isnan(moved_beyond(test::settling_dwell())));
 }
 
+TEST(Deviation, IsAPartOfTheValueBeforeAndCountsTheU95OfBoth) {
+  Dwell before = dwell_of(1, -1000.0), now = dwell_of(2, -1010.0);
+  before.elements[0].stiffness.U95 = 4.0;
+  const auto moves = moves_since(before, now);
+  ASSERT_EQ(moves.size(), 1U);
+  EXPECT_EQ(moves[0].k, 1);
+  EXPECT_DOUBLE_EQ(moves[0].stiffness.change, -0.01);
+  EXPECT_DOUBLE_EQ(moves[0].stiffness.U95, 0.005);
+  EXPECT_TRUE(moves[0].stiffness.moved);
+  EXPECT_EQ(moves[0].damping.change, 0.0);
+  EXPECT_FALSE(moves[0].damping.moved);
+  now.elements[0].stiffness.value = -1000.0 - 0.99 * moved_beyond(2) * 5.0;
+  EXPECT_FALSE(moves_since(before, now)[0].stiffness.moved) << "as far as chance may move one of two";
+}
+
 TEST(Deviation, WhatRoundsToZeroHasNoSign) {
-  Deviation deviation;
-  deviation.take(view_of(1, 1000.0), 10.0);
-  EXPECT_NE(text_of(deviation, view_of(2, 1000.0)).find("      1  0.00 ± 0.42 %                     0.0 ± 1.2 %\n"),
-            std::string::npos)
-      << text_of(deviation, view_of(2, 1000.0));
-}
-
-TEST(Deviation, TheEndOfADwellReplacesWhatWasToldLive) {
-  Deviation deviation;
-  deviation.take(view_of(1, 1200.0), 10.0);  // the drive had stopped already
-  const DwellView now = view_of(2, 1010.0);
-  deviation.take(now, 50.0);
-  deviation.take_earlier({ended(1, 45.0, 1010.0)}, 50.0);
-  EXPECT_NE(text_of(deviation, now).find("0.00 ± 0.50 %"), std::string::npos) << text_of(deviation, now);
-  deviation.take(now, 51.0);
-  EXPECT_NE(text_of(deviation, now).find("0.00 ± 0.50 %"), std::string::npos) << "and it stays";
-}
-
-TEST(Deviation, OfManyDwellsTheNewestBeforeCounts) {
-  Deviation deviation;
-  const DwellView now = view_of(4, 1000.0);
-  deviation.take(now, 100.0);
-  deviation.take_earlier({ended(1, 90.0, 900.0), ended(2, 60.0, 950.0), ended(3, 30.0, 990.0)}, 100.0);
-  EXPECT_EQ(text_of(deviation, now).substr(0, 20), "change since dwell 3");
+  const std::string text = text_of(view_of(dwell_of(2, 1000.0), dwell_of(1, 1000.0)));
+  EXPECT_NE(text.find("      1  0.00 ± 0.42 %                     0.0 ± 1.2 %\n"), std::string::npos) << text;
 }
 
 TEST(Deviation, ADwellOfAnEarlierRunIsNamedAsOne) {
-  Deviation deviation;
-  const DwellView now = view_of(1, 1000.0);
-  deviation.take(now, 1000.0);
-  deviation.take_earlier({ended(1, 780.0, 990.0, "2026-11-22T06:00:00Z")}, 1000.0);
-  EXPECT_EQ(text_of(deviation, now, 1000.0).substr(0, 53), "change since dwell 1 of an earlier run, 780 s ago; mo");
+  const DwellView now = view_of(dwell_of(1, 1000.0), dwell_of(1, 990.0), "2026-11-22T06:00:00Z");
+  EXPECT_EQ(text_of(now, 780.0).substr(0, 53), "change since dwell 1 of an earlier run, 780 s ago; mo");
+  EXPECT_EQ(text_of(now).substr(0, 44), "change since dwell 1 of an earlier run; move");
 }
 
 TEST(Deviation, ADwellWithoutANumberSaysThatThereIsNothingToCompareWith) {
-  Deviation deviation;
-  const DwellView now = view_of(2, 1000.0);
-  deviation.take(now, 50.0);
-  deviation.take_earlier({ended(1, 45.0, kNaN)}, 50.0);
-  EXPECT_EQ(text_of(deviation, now), R"(change since dwell 1; —: dwell 1 has no number to compare with
+  EXPECT_EQ(text_of(view_of(dwell_of(2, 1000.0), dwell_of(1, kNaN))),
+            R"(change since dwell 1; —: dwell 1 has no number to compare with
 element  stiffness                         damping
       1  —                                 0.0 ± 1.2 %
 )");
-}
-
-TEST(Deviation, ADwellThatHasEndedOrHasNotSettledIsNotCompared) {
-  Deviation deviation;
-  deviation.take(view_of(1, 1000.0), 10.0);
-  EXPECT_EQ(text_of(deviation, view_of(2, 1010.0, 60.0, State::complete)), "");
-  EXPECT_EQ(text_of(deviation, make_view(test::settling_dwell(), test::sample_rig(), test::sample_run())), "");
+  Dwell withheld = dwell_of(1, 1000.0);
+  withheld.elements[0].identifiable = false;
+  EXPECT_TRUE(std::isnan(moves_since(withheld, dwell_of(2, 1000.0))[0].stiffness.change));
 }
 
 TEST(Deviation, FitsItsColumns) {
-  Deviation deviation;
-  deviation.take(view_of(1, 1000.0), 10.0);
   for (const std::size_t columns : {40U, 79U, 80U}) {
-    const Section section = deviation.section(view_of(2, 1010.0, 70.0), 50.0, columns);
+    const Section section = deviation_section(view_of(dwell_of(2, 1010.0, 70.0), dwell_of(1, 1000.0)), kNaN, columns);
     for (const std::vector<TextLine>* lines : {&section.head, &section.body})
       for (const TextLine& line : *lines) EXPECT_LE(width(line.text), columns) << line.text;
     EXPECT_EQ(section.body.size(), columns < 80 ? 2U : 1U);
@@ -149,6 +132,7 @@ TEST(WatchPage, ShowsWhatThePageShowsInItsOrder) {
   ::setenv("TZ", "UTC", 1);
   WatchState state;
   state.name = "bench 2";
+  Dwell before;
   for (int t = 0; t <= 60; ++t) {
     DwellView view = test::chain(2);
     view.dwell.index = t < 30 ? 1 : 2;
@@ -156,6 +140,10 @@ TEST(WatchPage, ShowsWhatThePageShowsInItsOrder) {
     view.limits = {{1, CoefficientKind::stiffness, {7.5e3, 8.5e3}, LimitVerdict::violated, ""}};
     view.dwell.elements[0].stiffness.value += t < 30 ? 0.0 : 240.0;
     view.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.01, 0.004};
+    if (t < 30)
+      before = view.dwell;
+    else
+      view.since = SinceBefore{1, view.run.start_utc, before.end_s, moves_since(before, view.dwell)};
     state.take(std::move(view), t);
   }
   state.take_run("run 17, “rubber 3”");
@@ -199,7 +187,7 @@ TEST(WatchPage, TheLastDwellStaysAsAResultWhileThereIsNone) {
   last.dwell.elements[1].identifiable = false;
   last.dwell.elements[1].reason = "y2 is stuck";
   last.dwell.doubts = {{{1}, "the chain does not fit"}};
-  state.take_last(last, 101.1);
+  state.take_last(last);
   state.take_utc(*record::parse_utc(test::sample_run().start_utc) + 43'000'000'000, 101.1);
   const Page page = test::at(state, {}, test::kUsual, 101.1);
   const std::string text = test::text_of(page);

@@ -24,7 +24,7 @@ Json sample_json() { return json_value(make_view(test::sample_dwell(), test::sam
 using Names = std::vector<std::string>;
 
 // The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `u_relative_phase_rad`, `sigma`,
-// `samples`, `valid`, `doubts`, `unstated`, `motion_reason`, `model` extend it.
+// `samples`, `valid`, `kind`, `channel`, `warned`, `doubts`, `unstated`, `motion_reason`, `model` extend it.
 TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   const Json dwell = sample_json();
   EXPECT_EQ(names_of(dwell), (Names{"index",        "state",           "start_s",
@@ -33,8 +33,9 @@ TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
                                     "settles_in_s", "settling_reason", "rig_sha256",
                                     "version",      "frequency_hz",    "t_ref_s",
                                     "phasors",      "elements",        "covariance",
-                                    "warnings",     "doubts",          "unstated",
-                                    "motion",       "motion_reason",   "model"}));
+                                    "warnings",     "warned",          "doubts",
+                                    "unstated",     "motion",          "motion_reason",
+                                    "model"}));
   EXPECT_EQ(names_of(dwell["frequency_hz"]), (Names{"value", "u"}));
   EXPECT_EQ(names_of(dwell["phasors"][0]),
             (Names{"channel", "unit", "amplitude", "phase_rad", "u_amplitude", "u_phase_rad", "u_relative_phase_rad",
@@ -46,7 +47,7 @@ TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   EXPECT_EQ(names_of(element["stiffness"]), (Names{"value", "u", "dof", "U95", "significant", "unit"}));
   EXPECT_EQ(names_of(element["damping"]), names_of(element["stiffness"]));
   EXPECT_EQ(names_of(element["loss_factor"]), (Names{"value", "u"}));
-  EXPECT_EQ(names_of(element["budget"][0]), (Names{"source", "stiffness_share", "damping_share"}));
+  EXPECT_EQ(names_of(element["budget"][0]), (Names{"source", "kind", "channel", "stiffness_share", "damping_share"}));
 }
 
 TEST(DwellJson, CarriesTheValuesWithTheirUnits) {
@@ -127,6 +128,62 @@ TEST(DwellJson, DoubtsNameTheirElementsAndAreRepeatedAsWarningsOnce) {
   EXPECT_EQ(back->dwell.doubts[0].elements, (std::vector<int>{1, 3}));
   EXPECT_EQ(back->dwell.warnings, dwell.warnings);
   EXPECT_EQ(back->dwell.unstated, dwell.unstated);
+}
+
+TEST(DwellJson, AWarningTellsItsKindAndWhatItConcerns) {
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{1, 3}, "the poles contradict the chain"}};
+  dwell.warnings = {{WarningKind::nonlinear, "element 3 is not linear", {3}, {}},
+                    {WarningKind::hum, "hum in y0, y1", {}, {"y0", "y1"}}};
+  const Json json = json_value(make_view(dwell, test::sample_rig(), {}));
+  EXPECT_EQ(json["warned"], Json::parse(R"([{"kind":"doubt","elements":[1,3],"channels":[]},
+                                            {"kind":"nonlinear","elements":[3],"channels":[]},
+                                            {"kind":"hum","elements":[],"channels":["y0","y1"]}])"));
+  const auto back = dwell_from_json(json);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(back->dwell.warnings, dwell.warnings);
+}
+
+TEST(DwellJson, ADwellThatHasNotSettledSaysSoByTheKindOfItsWarning) {
+  const Json json = json_value(make_view(test::settling_dwell(), test::sample_rig(), {}));
+  ASSERT_EQ(json["warned"].size(), 1U);
+  EXPECT_EQ(json["warned"][0]["kind"], "not settled");
+}
+
+TEST(DwellJson, AShareOfABudgetTellsItsKindAndWhoseItIs) {
+  Dwell dwell = test::sample_dwell();
+  dwell.elements[0].budget = {{"turnaround of amplifier (y0, y1)", 0.5, 0.5, SourceKind::turnaround, {}, "amplifier"},
+                              {"mass 2", 0.3, 0.3, SourceKind::mass, {}, {}, 2},
+                              {"noise of y1", 0.2, 0.2, SourceKind::noise, "y1"}};
+  const Json json = json_value(make_view(dwell, test::sample_rig(), {}));
+  const Json& budget = json["elements"][0]["budget"];
+  EXPECT_EQ(budget[0]["kind"], "turnaround");
+  EXPECT_EQ(budget[0]["device"], "amplifier");
+  EXPECT_FALSE(budget[0].contains("channel"));
+  EXPECT_EQ(budget[1]["kind"], "mass");
+  EXPECT_EQ(budget[1]["mass"], 2);
+  EXPECT_EQ(budget[2]["kind"], "noise");
+  EXPECT_EQ(budget[2]["channel"], "y1");
+  const auto back = dwell_from_json(json);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(json_value(*back)["elements"], json["elements"]);
+}
+
+// Run files of older programs are read as well.
+TEST(DwellJson, AResultOfAProgramThatKnewNoKindsIsRead) {
+  Json json = json_value(make_view(test::settling_dwell(), test::sample_rig(), {}));
+  json.erase("warned");
+  const auto settling = dwell_from_json(json);
+  ASSERT_TRUE(settling) << settling.error();
+  EXPECT_EQ(settling->dwell.warnings[0].kind, WarningKind::not_settled);
+  json = sample_json();
+  for (Json& share : json["elements"][0]["budget"]) {
+    share.erase("kind");
+    share.erase("channel");
+  }
+  const auto measured = dwell_from_json(json);
+  ASSERT_TRUE(measured) << measured.error();
+  EXPECT_EQ(measured->dwell.elements[0].budget[0].kind, SourceKind::other);
 }
 
 TEST(DwellJson, IdleHasNoIndexAndOnlyACompleteDwellSaysWhatEndedIt) {

@@ -51,6 +51,17 @@ TEST(ResultComparison, AnotherBuildMayMoveANumberByAThousandthOfItsUncertainty) 
   EXPECT_FALSE(only(R"({"why": "a"})", R"({"why": "b"})").tolerable);
 }
 
+// A run file of an older program lacks the members that say in fields what its texts say as well.
+TEST(ResultComparison, AStoredResultWithoutTheKindsThatLaterProgramsTellLacksNothing) {
+  const auto seen = compare_results(
+      R"({"budget": [{"source": "mass 1"}], "warnings": ["x"]})",
+      R"({"budget": [{"source": "mass 1", "kind": "mass", "mass": 1}], "warnings": ["x"], "warned": [{"kind": "hum"}]})");
+  ASSERT_TRUE(seen);
+  EXPECT_TRUE(seen->differences.empty());
+  EXPECT_FALSE(only(R"({"warned": [{"kind": "hum"}]})", R"({"warned": [{"kind": "readings"}]})").tolerable);
+  EXPECT_FALSE(only(R"({"a": 1})", R"({"a": 1, "b": 2})").tolerable);
+}
+
 // Seen between a libm with fused multiply-add and one without: shares of 1e-33 change places.
 TEST(ResultComparison, TheOrderOfNegligibleSourcesIsADifferenceThatAnotherBuildMayMake) {
   const char* stored = R"({"budget": [{"source": "a", "stiffness_share": 0.9, "damping_share": 1.0},

@@ -68,9 +68,9 @@ Dwell sample_dwell() {
   e1.stiffness = {24010.0, 14.0, 3100.0, 27.4, true};
   e1.damping = {60.2, 0.4, 3100.0, 0.79, true};
   e1.loss_factor = {0.063, 0.0004};
-  constexpr SourceKind kOther = SourceKind::other;
-  e1.budget = {
-      {"scale of y1", 0.6, 0.1, kOther, {}}, {"delay of y0", 0.3, 0.85, kOther, {}}, {"noise", 0.1, 0.05, kOther, {}}};
+  e1.budget = {{"scale of y1", 0.6, 0.1, SourceKind::scale, "y1"},
+               {"delay of y0", 0.3, 0.85, SourceKind::delay, "y0"},
+               {"noise of y1", 0.1, 0.05, SourceKind::noise, "y1"}};
   ElementEstimate e2;
   e2.k = 2;
   e2.reason = "the deformation is less than three times its uncertainty";
@@ -81,7 +81,7 @@ Dwell sample_dwell() {
   e3.damping = {0.21, 0.4, 3100.0, 0.79, false};
   d.elements = {e1, e2, e3};
   d.covariance = {196.0, 0.1, 0.0, 0.0, 0.1, 0.16, 0.0, 0.0, 0.0, 0.0, 9920.16, 0.0, 0.0, 0.0, 0.0, 0.16};
-  d.warnings = {{WarningKind::unknown, "channel y2 is stale: timeout"}};
+  d.warnings = {{WarningKind::readings, "channel y2 is stale: timeout", {}, {"y2"}}};
   return d;
 }
 

@@ -351,7 +351,7 @@ TEST(WatchPage, SaysWhatTheUncertaintyOfTheLastDwellDoesNotCover) {
   last.state = State::complete;
   last.unstated = {"mass 1"};
   WatchState state = watched(make_view(idle, test::sample_rig(), test::sample_run()));
-  state.take_last(make_view(last, test::sample_rig(), test::sample_run()), 100.0);
+  state.take_last(make_view(last, test::sample_rig(), test::sample_run()));
   const std::string text = text_of(at(state, {}, {60, 120}));
   EXPECT_NE(text.find("not of now"), std::string::npos) << text;
   EXPECT_NE(text.find("what the rig file states; not stated: mass 1"), std::string::npos) << text;

@@ -144,9 +144,10 @@ TEST(WatchState, AChannelGrowsOlderFromWhatTheListSaid) {
   WatchState state;
   EXPECT_FALSE(state.channel("y0", 1.0));
   state.take(channel_states(nlohmann::ordered_json::parse(
-                 R"([{"name":"y0","status":"ok","reason":null,"age_s":0.01},
-                     {"name":"y1","status":"timeout","reason":"no answer within 0.1 s","age_s":12.0},
-                     {"name":"y2","status":"clipped","reason":"","age_s":null}, 7, {"name":3}])")),
+                 R"([{"name":"y0","status":"ok","reason":null,"text":"ok","age_s":0.01},
+                     {"name":"y1","status":"timeout","reason":"no answer within 0.1 s",
+                      "text":"timeout: no answer within 0.1 s","age_s":12.0},
+                     {"name":"y2","status":"clipped","reason":null,"text":"clipped","age_s":null}, 7, {"name":3}])")),
              100.0);
   EXPECT_EQ(state.channel("y0", 100.5)->status, "");
   EXPECT_DOUBLE_EQ(state.channel("y0", 100.5)->age_s, 0.51);

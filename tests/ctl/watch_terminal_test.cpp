@@ -243,9 +243,9 @@ TEST(WatchOnATerminal, AtAnIdleRigTheLastDwellAndSinceWhenAreAskedFor) {
   idle.state = State::idle;
   std::vector<Reply> replies = stream_and_dwells();
   replies.front().text = test::stream_header() + dwell_event(to_json(idle, test::sample_rig(), test::sample_run()));
-  replies.push_back({test::http_reply(
-      200, R"({"events":[{"utc":"2026-11-23T07:59:48Z","text":"state measuring -> idle, dwell 4: stopped"},)"
-           R"({"utc":"2026-11-23T07:59:50Z","text":"run 3 ended"}]})")});
+  replies.push_back(
+      {test::http_reply(200, R"({"events":[{"utc":"2026-11-23T07:59:48Z","state":"idle","text":"the table rests"},)"
+                             R"({"utc":"2026-11-23T07:59:50Z","state":null,"text":"run 3 ended"}]})")});
   Dwell last = test::sample_dwell();
   last.state = State::complete;
   last.ended_by = EndedBy::drive_stopped;

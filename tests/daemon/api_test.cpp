@@ -101,6 +101,19 @@ TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
             channel["used"].get<int>() + channel["dropped"].get<int>() + channel["queued"].get<int>());
 }
 
+TEST_F(ApiTest, AChannelTellsStatusAndReasonInOneLine) {
+  ChannelView& channel = snapshot.channels[0];
+  const auto text = [this] { return get("/api/v1/channels")["channels"][0]["text"]; };
+  channel.fault = Fault::timeout;
+  EXPECT_EQ(text(), "timeout");
+  channel.reason = "no answer within 0.1 s";
+  EXPECT_EQ(text(), "timeout: no answer within 0.1 s");
+  channel.fault = Fault::none;
+  channel.condition = Condition::stuck;
+  channel.condition_reason = "stuck at one reading for 12.0 s";
+  EXPECT_EQ(text(), "stuck at one reading for 12.0 s") << "the word does not stand there twice";
+}
+
 // "450 Hz" stood beside a reading that was 5.7 s old.
 TEST_F(ApiTest, AChannelHasARateOnlyWhileItIsKnownToDeliver) {
   ChannelView& channel = snapshot.channels[0];

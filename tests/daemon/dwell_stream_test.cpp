@@ -42,12 +42,15 @@ DwellView publication(int n, int step) {
     element.stiffness = {24010.0 / 7.0 * drift, 14.0 / 3.0 * drift, 3100.0 / 7.0 * drift, 27.4 / 3.0 * drift, true};
     element.damping = {60.2 / 7.0 * drift, 0.4 / 3.0 * drift, 3100.0 / 7.0 * drift, 0.79 / 3.0 * drift, true};
     element.loss_factor = {0.063 / 7.0 * drift, 0.0004 / 3.0 * drift};
-    for (int source = 0; source < 3 * n; ++source)
-      element.budget.push_back(
-          {"scale of y" + std::to_string(source), drift / 3.0 / n, drift / 7.0 / n, SourceKind::other, {}});
+    for (int source = 0; source < 3 * n; ++source) {
+      const std::string channel = "y" + std::to_string(source);
+      element.budget.push_back({"scale of " + channel, drift / 3.0 / n, drift / 7.0 / n, SourceKind::scale, channel});
+    }
     dwell.elements.push_back(std::move(element));
   }
   dwell.covariance.assign(static_cast<std::size_t>(4 * n) * static_cast<std::size_t>(n), 196.0 / 7.0 * drift);
+  view.age = LiveAge{0.1, false};
+  view.since = SinceBefore{1, "2026-11-23T07:00:00Z", 20.0, {{1, {0.01 * drift, 0.002, true}, {}}}};
   return view;
 }
 
@@ -101,6 +104,7 @@ TEST(DwellStream, AChangeNamesItsDwellAndHoldsNeitherCovarianceNorBudgets) {
   EXPECT_EQ(change["elements"][1]["k"], 2);
   EXPECT_FALSE(change.contains("covariance"));
   EXPECT_FALSE(change["elements"][0].contains("budget"));
+  EXPECT_FALSE(change.contains("since"));
 }
 
 }  // namespace

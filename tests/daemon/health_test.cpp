@@ -170,7 +170,7 @@ TEST_F(HealthTest, IsDegradedByAChannelThatTheDwellDoesNotUse) {
   snapshot.dwell.elements[0].reason = "y1: left out of 9000 readings: 4000 repeats of an older reading";
   snapshot.channels[1].condition = Condition::gated;
   const std::string reason =
-      "channel y1 does not count in this dwell: left out of 9000 readings: 4000 repeats of an older reading";
+      "channel y1: not counted in this dwell: left out of 9000 readings: 4000 repeats of an older reading";
   expect(Health::Status::degraded, false, reason);
   EXPECT_EQ(names(), (std::vector<std::string>{"channel:y1"}));
   snapshot.channels[1].condition = Condition::stuck;
@@ -186,6 +186,24 @@ TEST_F(HealthTest, IsDegradedByAChannelThatTheDwellDoesNotUse) {
   now_ns = 100'000'000;
   snapshot.dwell.state = State::settling;
   EXPECT_TRUE(names().empty()) << "nothing is measured";
+}
+
+TEST_F(HealthTest, ATroubleTellsItsKindAndItsChannel) {
+  snapshot.channels[0].condition = Condition::stuck;
+  snapshot.channels[0].condition_reason = "stuck at one reading for 12.0 s";
+  snapshot.dwell.phasors.resize(2);
+  snapshot.dwell.phasors[1].reason = "left out";
+  rig.channels[1].calibration = {"K-7", "2025-03-31"};
+  utc_ns = 1'800'000'000'000'000'000;
+  recorder = {{"anchor", "no answer"}};
+  std::string told;
+  for (const Trouble& found : judge().troubles)
+    told += std::string(to_string(found.kind)) + "|" + found.channel + "|" + found.why + "\n";
+  EXPECT_EQ(told,
+            "channel|y0|stuck at one reading for 12.0 s\n"
+            "channel|y1|not counted in this dwell: left out\n"
+            "recording||\n"
+            "calibration|y1|\n");
 }
 
 TEST_F(HealthTest, IsDegradedWhereADwellIsMeasuredWithoutAnyCoefficient) {

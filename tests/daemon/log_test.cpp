@@ -58,6 +58,15 @@ TEST_F(LogTest, FieldsAreForTheJournalAlone) {
   EXPECT_EQ(text().find("DWELL_DEVICE"), std::string::npos);
 }
 
+TEST_F(LogTest, OfAChangeOfStateTheStateIsKeptWithTheLine) {
+  auto log = Log::make(options());
+  ASSERT_TRUE(log);
+  (*log)->info("state idle -> settling", {{kStateField, "settling"}});
+  (*log)->info("state of the art", {{"DWELL_DEVICE", "amplifier"}});
+  EXPECT_EQ((*log)->newest().newest(2)[0].state, "settling");
+  EXPECT_EQ((*log)->newest().newest(2)[1].state, "");
+}
+
 TEST_F(LogTest, ADeviceCannotForgeALine) {
   {
     auto log = Log::make(options());

@@ -41,6 +41,13 @@ TEST_F(EventsTest, AreTheNewestLinesWithTheirInstant) {
   EXPECT_EQ(events("count=1")["events"][0]["number"], 2);
 }
 
+TEST_F(EventsTest, AChangeOfStateTellsTheStateThatBegan) {
+  lines.push(Level::info, "state idle -> settling, dwell 1", 0, "settling");
+  lines.push(Level::info, "run 3 ended", 0);
+  EXPECT_EQ(events()["events"][0]["state"], "settling");
+  EXPECT_TRUE(events()["events"][1]["state"].is_null());
+}
+
 TEST_F(EventsTest, AreBoundedInNumberAndLengthWhateverIsLogged) {
   for (int i = 0; i < 2000; ++i) lines.push(Level::info, std::string(10'000, 'x'), i);
   const Json told = events("from=1");

@@ -140,6 +140,47 @@ TEST_F(RecorderJsonTest, TellsOfEachRunWhetherItsFileIsIntactAndWhereItIsToBeHad
   }
 }
 
+TEST_F(RecorderJsonTest, TellsOfEachRunWhereItsDwellsAreTold) {
+  recording.emplace();
+  auto list = std::make_shared<record::ListedRuns>(*runs);
+  for (record::ListedRun& run : *list) run.dwells = 2;
+  (*list)[245].dwells = 0;
+  (*list)[246].state = "cut off";
+  (*list)[247].linked = true;
+  (*list)[248].file = "be nch-249.dwell";
+  (*list)[249].state = "recording";
+  runs = list;
+  record::RunVerdicts verdicts;
+  verdicts[(*list)[244].file].removed = true;
+  audits = std::make_shared<const record::RunVerdicts>(verdicts);
+  const Parsed newest = answer("count=6")["runs"];
+  EXPECT_TRUE(newest[0]["dwells_at"].is_null()) << "removed";
+  EXPECT_TRUE(newest[1]["dwells_at"].is_null()) << "none has ended in it";
+  EXPECT_EQ(newest[2]["dwells_at"], "/api/v1/runs/bench-247-20261123T031217Z.dwell/dwells") << "cut off";
+  EXPECT_TRUE(newest[3]["dwells_at"].is_null()) << "a link";
+  EXPECT_EQ(newest[4]["dwells_at"], "/api/v1/runs/be%20nch-249.dwell/dwells");
+  EXPECT_TRUE(newest[5]["dwells_at"].is_null()) << "it goes on";
+}
+
+// Recorder and estimation each read the clock.
+TEST_F(RecorderJsonTest, TheDwellsToldAreThoseOfTheRunThatBeganAtTheSameTime) {
+  recording.emplace();
+  auto list = std::make_shared<record::ListedRuns>(*runs);
+  (*list)[248].begun_utc = "2026-11-23T06:59:59.990000Z";
+  (*list)[249].begun_utc = "2026-11-23T07:00:30.000000Z";
+  runs = list;
+  const auto file_of = [this](const char* start_utc) {
+    info.start_utc = start_utc;
+    return Parsed::parse(get("/api/v1/dwells").body)["file"];
+  };
+  EXPECT_EQ(file_of("2026-11-23T07:00:00.000000Z"), (*list)[248].file);
+  EXPECT_TRUE(file_of("2026-11-23T07:00:10.000000Z").is_null());
+  EXPECT_TRUE(file_of("").is_null());
+  recording->recording = true;
+  recording->run = (*list)[249];
+  EXPECT_EQ(file_of("2026-11-23T07:00:30.100000Z"), (*list)[249].file);
+}
+
 TEST_F(RecorderJsonTest, GivesTheFileOfAClosedRunOfTheListAndOfNothingElse) {
   recording.emplace();
   recording->directory = "/var/lib/dwell";

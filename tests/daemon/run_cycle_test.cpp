@@ -106,6 +106,7 @@ TEST_F(RunCycleTest, EachRunHasItsOwnDwellsAndItsOwnTime) {
     EXPECT_EQ(on.run.number, static_cast<std::uint32_t>(run));
     EXPECT_EQ(on.dwell.index, 1);
     EXPECT_TRUE(on.finished->empty());
+    EXPECT_EQ(on.earlier.dwell != nullptr, run > 1) << "the last dwell of the run before is known all the same";
     session.drive(0.0);
     session.go_on(25.0);
     const Snapshot& after = session.latest();

@@ -1,10 +1,10 @@
 // Numbers, or the reason in place of the number.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, legendOf, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
+import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, legendOf } from '../../daemon/page/coefficients.mjs';
 import { joined } from '../../daemon/page/number.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
-import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
+import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 // s of the page's clock: when the data of dwellOf() are new.
 const AT = 101;
@@ -191,18 +191,20 @@ test('a page that is opened later knows the last dwell from the list', () => {
   assert.equal(coefficientsOf(view).title, 'last dwell: 3, ended 60 s ago: drive stopped');
 });
 
+// The words alone name element 2 and y1 everywhere: only what the service tells of them counts.
 test('a doubt and a warning stand beside the element they name, all others with the dwell', () => {
-  const dwell = dwellOf({ doubts: [{ elements: [2], what: 'r_2 is negative' }, { elements: [], what: 'elements 1 … 2 look swapped' }],
-    warnings: ['r_2 is negative', 'elements 1 … 2 look swapped', 'element 1 moves little', 'y1 is gated', 'the clock is not synchronized'] });
+  const dwell = dwellOf(warningOf([{ kind: 'nonlinear', text: 'it moves little, as element 2', elements: [1] },
+    { kind: 'readings', text: 'y1 is gated', channels: ['y1'] }, { kind: 'growing chain', text: 'y1 and element 2 are not to blame' }],
+  [{ elements: [2], what: 'r_2 is negative' }, { elements: [], what: 'elements 1 … 2 look swapped' }]));
   const [one, two] = coefficientsOf(after(dwell)).elements;
-  assert.deepEqual(one.notes, [{ tone: 'care', text: 'element 1 moves little' }]);
+  assert.deepEqual(one.notes, [{ tone: 'care', text: 'it moves little, as element 2' }]);
   assert.deepEqual(two.notes, [{ tone: 'alarm', text: 'do not rely on this: r_2 is negative' }]);
   assert.deepEqual(two.cells.map((c) => c.marks), [['?'], ['?']]);
-  assert.deepEqual(generalWarnings(dwell), ['the clock is not synchronized']);
+  assert.deepEqual(generalWarnings(dwell), ['y1 and element 2 are not to blame']);
   assert.deepEqual(channelWarnings(dwell), ['y1 is gated']);
   // While the table rests, the page has no phasors: their warnings would be counted and told nowhere.
   const idle = { ...dwell, state: 'idle' };
-  assert.deepEqual([generalWarnings(idle), channelWarnings(idle)], [['y1 is gated', 'the clock is not synchronized'], []]);
+  assert.deepEqual([generalWarnings(idle), channelWarnings(idle)], [['y1 is gated', 'y1 and element 2 are not to blame'], []]);
 });
 
 test('the last dwell keeps its doubts: its end makes no number reliable', () => {
@@ -262,12 +264,8 @@ test('the numbers of a recording that was played to its end are a result', () =>
   assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
 });
 
-test('names are found as words', () => {
-  assert.equal(namesElement('elements 2, 3 and 12 are alike', 12), true);
-  assert.equal(namesElement('element 12', 1), false);
-  assert.equal(namesElement('the chain (elements 1 … 4) has none', 3), true);
-  assert.equal(namesElement('mass 2', 2), false);
-  assert.equal(namesChannel('scale of y1: off', 'y1'), true);
-  assert.equal(namesChannel('scale of y11', 'y1'), false);
-  assert.equal(namesChannel('load cell (east) is stuck', 'load cell (east)'), true);
+test('a warning about an element that has no place of its own stands with the dwell', () => {
+  const of = (warnings) => warningOf(warnings.map((text) => ({ kind: 'nonlinear', text, elements: [1] })));
+  assert.deepEqual(generalWarnings(settlingOf(of(['it is not linear']))), ['it is not linear']);
+  assert.deepEqual(generalWarnings(dwellOf(of(['it is not linear']))), []);
 });

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
-import { History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
+import { deviationOf, History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
 import { placeLabels, polarOf, scalesText } from '../../daemon/page/polar.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, settlingOf } from './sample.js';
@@ -69,58 +69,42 @@ test('a dwell that has not settled adds nothing', () => {
   assert.equal(history.of('stiffness', 1, at).length, 0);
 });
 
-test('the deviation is told against the dwell before, with both uncertainties', () => {
-  const history = new History();
-  assert.equal(history.deviation('stiffness', 1, dwellOf()), null);
-  history.takeEnded(withStiffness(24000, { index: 2 }), at);
-  assert.deepEqual(history.deviation('stiffness', 1, withStiffness(24012)),
-    { beyond: false, text: '+0.05 ± 0.14 % since dwell 2' });
-  assert.deepEqual(history.deviation('stiffness', 1, withStiffness(23000)),
-    { beyond: true, text: 'moved by \u22124.17 ± 0.14 % since dwell 2' });
-});
+// As the service tells it of element 1, whose stiffness has changed so.
+const since = (stiffness, more = {}) => dwellOf({ since: { index: 2, start_utc: dwellOf().start_utc, end_s: 9,
+  elements: [{ k: 1, stiffness, damping: null }], ...more } });
 
-// One of several coefficients exceeds its own U95 by chance more often than one alone.
-test('moved is what exceeds what the service says that chance explains, of all coefficients together', () => {
-  const history = new History();
-  history.takeEnded(withStiffness(24000, { index: 2 }), at);
-  const beyond = (value, moved_beyond) => history.deviation('stiffness', 1, withStiffness(value, { moved_beyond })).beyond;
-  assert.equal(beyond(24040, 1), true, '0.17 % of 0.14 %');
-  assert.equal(beyond(24040, 1.391), false);
-  assert.equal(beyond(24060, 1.391), true);
+test('the change since the dwell before is told as the service tells it', () => {
+  const said = (change, moved) => deviationOf(since({ change, U95: 0.00141, moved }), 'stiffness', 1, at);
+  assert.deepEqual(said(0.0005, false), { moved: false, text: '+0.05 ± 0.14 % since dwell 2' });
+  assert.deepEqual(said(0.0005, true), { moved: true, text: 'moved by +0.05 ± 0.14 % since dwell 2' }, 'the service judges');
+  assert.deepEqual(said(-0.0417, true), { moved: true, text: 'moved by \u22124.17 ± 0.14 % since dwell 2' });
+  assert.equal(said(-0.00001, false).text, '0.00 ± 0.14 % since dwell 2');
+  assert.equal(deviationOf(dwellOf(), 'stiffness', 1, at), null);
+  assert.equal(deviationOf(since(null), 'stiffness', 2, at), null);
 });
 
 // Of another run: its dwells are numbered from 1 again.
 const EARLIER = '2026-11-23T06:00:00.000000Z';
 
-test('the deviation is told against the newest dwell before, though the list has not told its end', () => {
+test('the newest dwell before stays in the trend, though the list has not told its end', () => {
   const history = new History();
   history.takeEnded(withStiffness(20000, { index: 1 }), at);
   // Dwell 2 is seen for 18 s. A new run begins at once, and the service's list is empty.
   for (let s = 0; s <= 18; s += 1) history.take(withStiffness(23900 + s, { index: 2 }), at + 60_000 + 1e3 * s);
   history.take(withStiffness(24012), at + 80_000);
   assert.deepEqual(history.of('stiffness', 1, at + 80_000).map((p) => p.value), [20000, 23900, 23910, 23918, 24012]);
-  assert.match(history.deviation('stiffness', 1, withStiffness(24012)).text, /^moved by \+0\.39 ± 0\.14 % since dwell 2$/);
   history.takeEnded(withStiffness(23919, { index: 2 }), at + 79_000);
   assert.deepEqual(history.of('stiffness', 1, at + 80_000).map((p) => p.value), [20000, 23900, 23910, 23919, 24012], 'the end replaces what was seen last');
 });
 
 test('a dwell of an earlier run is named as such, with when it was', () => {
-  const history = new History();
-  history.take(withStiffness(24000, { index: 3, start_utc: EARLIER }), at);
-  history.take(withStiffness(23000, { index: 1 }), at + 60_000);
-  assert.match(history.deviation('stiffness', 1, withStiffness(23000, { index: 1 })).text,
+  const dwell = since({ change: -0.0417, U95: 0.0014, moved: true }, { index: 3, start_utc: EARLIER });
+  assert.match(deviationOf(dwell, 'stiffness', 1, Date.parse(EARLIER)).text,
     /^moved by \u22124\.17 ± 0\.14 % since dwell 3 of an earlier run \(\d\d:\d\d:\d\d\)$/);
 });
 
 test('a dwell before that has no such number is not passed over in silence', () => {
-  const history = new History();
-  history.takeEnded(withStiffness(20000, { index: 1 }), at);
-  const dwell = dwellOf({ index: 2 });
-  dwell.elements[0] = { k: 1, identifiable: false, reason: 'y1: stuck', stiffness: null, damping: null };
-  history.takeEnded(dwell, at + 60_000);
-  assert.deepEqual(history.deviation('stiffness', 1, withStiffness(24012)),
-    { beyond: false, text: 'nothing to compare with: dwell 2 has no number' });
-  assert.match(history.deviation('stiffness', 2, withStiffness(24012)).text, /since dwell 2$/);
+  assert.deepEqual(deviationOf(since(null), 'stiffness', 1, at), { moved: false, text: 'nothing to compare with: dwell 2 has no number' });
 });
 
 test('a trend is drawn within its box, dwells apart', () => {
@@ -167,12 +151,17 @@ test('labels do not overlap and stay beside the circle', () => {
 });
 
 test('the budget says what to do about the largest part, noise of all channels as one', () => {
-  const element = { budget: [{ source: 'noise of y1', stiffness_share: 0.2, damping_share: 0.5 }, { source: 'scale of y1', stiffness_share: 0.5, damping_share: 0.1 },
-    { source: 'noise of y0', stiffness_share: 0.2, damping_share: 0.4 }, { source: 'frequency', stiffness_share: 0.001, damping_share: 0 }] };
+  const element = { budget: [{ source: 'noise of y1', kind: 'noise', channel: 'y1', stiffness_share: 0.2, damping_share: 0.5 },
+    { source: 'scale of y1', kind: 'scale', channel: 'y1', stiffness_share: 0.5, damping_share: 0.1 },
+    { source: 'noise of y0', kind: 'noise', channel: 'y0', stiffness_share: 0.2, damping_share: 0.4 },
+    { source: 'frequency', kind: 'frequency', stiffness_share: 0.001, damping_share: 0 }] };
   assert.deepEqual(budgetOf(element, 'stiffness').bars, [{ source: 'scale of y1', share: 0.5 }, { source: 'noise of all channels', share: 0.4 }]);
   assert.equal(budgetOf(element, 'stiffness').advice, 'calibrate the scale of y1');
   assert.equal(budgetOf(element, 'damping').advice, 'measure longer');
   assert.equal(budgetOf({}, 'damping').advice, null);
-  assert.equal(adviceOn('mass 2'), 'weigh mass 2 more exactly');
-  assert.equal(adviceOn('errors to second order'), 'look at: errors to second order');
+  assert.equal(adviceOn({ source: 'm2', kind: 'mass', mass: 2 }), 'weigh mass 2 more exactly');
+  assert.equal(adviceOn({ source: 'delay of noise of y', kind: 'delay', channel: 'noise of y' }), 'measure the delay of noise of y', 'a channel may have any name');
+  assert.equal(adviceOn({ source: 'delay of line', kind: 'delay', device: 'line' }), 'measure the delay of line');
+  assert.equal(adviceOn({ source: 'turnaround of line (y0, y1)', kind: 'turnaround', device: 'line' }), 'measure the delay of line');
+  assert.equal(adviceOn({ source: 'errors to second order', kind: 'second order' }), 'look at: errors to second order');
 });

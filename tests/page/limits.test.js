@@ -7,7 +7,8 @@ import { limitOf } from '../../daemon/page/limits.mjs';
 import { give, noteText } from '../../daemon/page/order.mjs';
 import { dwellOf, toldFreshness } from './sample.js';
 
-const limited = (verdict, reason = null) => dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict, reason }] });
+const limited = (verdict, reason = null, doubted = false) =>
+  dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict, doubted, reason }] });
 
 test('each verdict has its word, its shape and the limit', () => {
   assert.deepEqual(limitOf(limited('kept'), 'stiffness', 2), { verdict: 'kept', text: '✓ limit kept: 7.500 to 8.500 kN/m' });
@@ -17,7 +18,7 @@ test('each verdict has its word, its shape and the limit', () => {
 });
 
 test('a doubt that takes a limit its verdict is not told once more there', () => {
-  assert.equal(limitOf(limited('none', 'the number must not be relied on: mode at 4.77 Hz, decaying at 1.97 /s'), 'stiffness', 2).text,
+  assert.equal(limitOf(limited('none', 'do not rely on it: mode at 4.77 Hz, decaying at 1.97 /s', true), 'stiffness', 2).text,
     '– no verdict on the limit 7.500 to 8.500 kN/m: the number must not be relied on');
 });
 

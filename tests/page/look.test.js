@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { check } from './accessible.js';
 import { joined, numberText } from '../../daemon/page/number.mjs';
-import { dwellOf } from './sample.js';
+import { dwellOf, warningOf } from './sample.js';
 import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES, TOKEN, until } from './bench.js';
 
 function recordingWithToken(text, folder) {
@@ -104,6 +104,24 @@ test('a stuck transducer pushes no element of a usual rig off a wall display', a
   await page.close();
 });
 
+// At 1280 × 1024 the upper third of the strip showed above the note that there was no room for traces.
+test('a wall display says that it has no room for traces exactly where none are seen', async () => {
+  const page = await open('wall', '?kiosk');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  await page.waitForSelector('#traces:not([hidden])');
+  const told = () => page.evaluate(() => {
+    const [note, strip] = ['beyond', 'trace-plot'].map((id) => document.getElementById(id));
+    return { named: !note.hidden && note.innerText.includes('traces'), seen: getComputedStyle(strip).visibility === 'visible',
+      whole: strip.getBoundingClientRect().bottom <= (note.hidden ? window.innerHeight : note.getBoundingClientRect().top + 0.5) };
+  });
+  for (const [width, height, room] of [[1920, 1080, true], [1280, 1024, false], [1440, 900, true]]) {
+    await page.setViewportSize({ width, height });
+    // The note is looked at once a second.
+    await until(async () => JSON.stringify(await told()) === JSON.stringify({ named: !room, seen: room, whole: room }));
+  }
+  await page.close();
+});
+
 test('thirteen elements fit on a wall display', async () => {
   const many = await Bench.begin(chainOf(12));
   try {
@@ -132,7 +150,7 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
   let end_s = 3; // of a dwell that goes on: numbers that grew old would add a line to the head
   const dwell = await bench.get('/api/v1/dwell');
   await page.route('**/api/v1/stream*', (route) => route.fulfill({ contentType: 'text/event-stream',
-    body: `retry: 200\nevent: dwell\ndata: ${JSON.stringify({ ...dwell, index: 1, state: 'measuring', settled_s: 1, verdict_s: 2, end_s: end_s++, warnings: rows, doubts: [], unstated: [], phasors: [],
+    body: `retry: 200\nevent: dwell\ndata: ${JSON.stringify({ ...dwell, index: 1, state: 'measuring', settled_s: 1, verdict_s: 2, end_s: end_s++, ...warningOf(rows),  unstated: [], phasors: [],
       elements: Array.from({ length: 30 }, (_, i) => ({ k: i + 1, identifiable: false, budget: [],
         reason: `the deformation (${i}.2 µm) is less than three times its uncertainty: drive it harder, or nearer to a resonance in which it deforms` })) })}\n\n` }));
   await page.goto(`${bench.url}/?kiosk`);
@@ -149,7 +167,7 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
     for (const b of all.slice(i + 1)) assert.ok(a.left !== b.left || a.bottom <= b.top + 1, 'none overlaps');
   });
   if (process.env.DWELL_PICTURES) await page.screenshot({ path: join(process.env.DWELL_PICTURES, 'withheld-wall.png') });
-  rows = Array.from({ length: 30 }, (_, i) => `a warning of the dwell, number ${i}`);
+  rows = Array.from({ length: 30 }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }));
   // Where the head has a line more, as of a clock that is not synchronized, the last elements may be named too.
   await page.locator('#beyond', { hasText: /^▼ no room here for: (elements? [\d …]+, )?warnings of the dwell/ }).waitFor();
   await page.close();
@@ -325,11 +343,11 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   await page.waitForSelector('#state[data-kind=measuring]');
   bench.rig.say('stop');
   await page.waitForSelector('#state[data-kind=idle]');
-  const { dwells } = await bench.get('/api/v1/dwells?brief=1');
+  const { dwells, file } = await bench.get('/api/v1/dwells?brief=1');
   const newest = dwells.at(-1);
   await until(async () => {
     const { runs } = await bench.get('/api/v1/runs?count=1');
-    return runs[0].state === 'closed' && Math.abs(Date.parse(runs[0].begun) - Date.parse(newest.start_utc)) < 1000;
+    return runs[0].state === 'closed' && runs[0].file === file;
   });
   await bench.service.end();
   await bench.startService();
@@ -367,7 +385,7 @@ test('two files of one run each show their own numbers', async () => {
   const files = { 'bench-98-20261123T031217Z.dwell': 24000, 'bench-99-20261123T031217Z.dwell': 25000 };
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: Object.keys(files).map((file, i) => ({ ...answer.runs[0], run: 98 + i, file, state: 'closed', dwells: 1 })) } });
+    await route.fulfill({ json: { ...answer, runs: Object.keys(files).map((file, i) => ({ ...answer.runs[0], run: 98 + i, file, state: 'closed', dwells: 1, dwells_at: `/api/v1/runs/${file}/dwells` })) } });
   });
   await page.route('**/api/v1/runs/*/dwells?*', (route) => {
     const [file, c] = Object.entries(files).find(([name]) => route.request().url().includes(name));
@@ -390,7 +408,8 @@ test('a run that cannot be read says why, in place of its dwells', async () => {
   page.setDefaultTimeout(PATIENCE_MS);
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: [...answer.runs, { ...answer.runs[0], run: 99, file: 'bench-99-20261123T031217Z.dwell', state: 'closed', dwells: 3 }] } });
+    const run = { ...answer.runs[0], run: 99, file: 'bench-99-20261123T031217Z.dwell', state: 'closed', dwells: 3, dwells_at: '/api/v1/runs/bench-99-20261123T031217Z.dwell/dwells' };
+    await route.fulfill({ json: { ...answer, runs: [...answer.runs, run] } });
   });
   await page.goto(bench.url);
   await page.locator('#dwells-choice:not([hidden])').waitFor();
@@ -403,10 +422,10 @@ test('a run that cannot be read says why, in place of its dwells', async () => {
 test('an empty table of dwells says where those of earlier runs are', async () => {
   const page = await browser.newPage({ viewport: SIZES.desk });
   page.setDefaultTimeout(PATIENCE_MS);
-  await page.route('**/api/v1/dwells?*', async (route) => route.fulfill({ json: { rig: 'x', total: 0, forgotten: 0, next: null, dwells: [] } }));
+  await page.route('**/api/v1/dwells?*', async (route) => route.fulfill({ json: { rig: 'x', total: 0, forgotten: 0, file: null, next: null, dwells: [] } }));
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, state: 'closed', dwells: 3 })) } });
+    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, state: 'closed', dwells: 3, dwells_at: '/api/v1/runs/a/dwells' })) } });
   });
   await page.goto(bench.url);
   await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. To see those of an earlier run, choose it above\.$/ }).waitFor();

@@ -1,7 +1,7 @@
 // What the page says of recorded runs.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { auditOf, begunAt, dwellsPath, earlierRuns, fromRun, noDwellsText, olderRunsText, runOf } from '../../daemon/page/runs.mjs';
+import { auditOf, earlierRuns, fromRun, noDwellsText, olderRunsText, runOf } from '../../daemon/page/runs.mjs';
 
 const audit = (state, more = {}) => ({ audit: { state, where: null, until_s: null, trusted: true, utc: null, reason: null, ...more } });
 const said = (run) => Object.values(auditOf(run)).join(': ');
@@ -30,16 +30,14 @@ test('a run that is closed can be downloaded, any other has the reason', () => {
 
 test('an empty table of dwells says that a new run has begun it anew', () => {
   assert.equal(noDwellsText([{}], []), '');
-  assert.equal(noDwellsText([], [{ dwells: 0 }]), 'No dwell of this run has ended yet.');
-  assert.equal(noDwellsText([], [{ dwells: 4 }, { dwells: 0 }]), 'No dwell of this run has ended yet. To see those of an earlier run, choose it above.');
-  assert.equal(noDwellsText([], [{ dwells: 4, state: 'recording' }]), 'No dwell of this run has ended yet.');
+  assert.equal(noDwellsText([], [{ dwells: 0, dwells_at: null }]), 'No dwell of this run has ended yet.');
+  assert.equal(noDwellsText([], [{ dwells: 4, dwells_at: '/a' }, { dwells: 0, dwells_at: null }]), 'No dwell of this run has ended yet. To see those of an earlier run, choose it above.');
+  assert.equal(noDwellsText([], [{ dwells: 4, dwells_at: null }]), 'No dwell of this run has ended yet.');
 });
 
 test('earlier runs with dwells can be chosen, the newest first', () => {
-  const runs = [{ run: 1, dwells: 2, state: 'closed' }, { run: 2, dwells: 0, state: 'closed' }, { run: 3, dwells: 1, state: 'cut off' },
-    { run: 4, dwells: 1, state: 'removed' }, { run: 5, dwells: 1, state: 'recording' }];
+  const runs = [{ run: 1, dwells_at: '/api/v1/runs/a.dwell/dwells' }, { run: 2, dwells_at: null }, { run: 3, dwells_at: '/api/v1/runs/c.dwell/dwells' }];
   assert.deepEqual(earlierRuns(runs).map((run) => run.run), [3, 1]);
-  assert.equal(dwellsPath({ file: 'a b#1.dwell' }), '/api/v1/runs/a%20b%231.dwell/dwells');
 });
 
 test('numbers from a file say so, with its audit', () => {
@@ -47,13 +45,6 @@ test('numbers from a file say so, with its audit', () => {
     { tone: 'calm', text: 'From the file of run 3, “oil”: an earlier run. Audit: ✓ intact.' });
   assert.deepEqual(fromRun({ run: 3, label: '', ...audit('tampered', { where: 'entry 5' }) }),
     { tone: 'alarm', text: 'From the file of run 3: an earlier run. Audit: ▲ tampered: entry 5. Do not rely on these numbers.' });
-});
-
-test('the run of a dwell is found by its begin, which recorder and estimation state each by their own reading of the clock', () => {
-  const run = { run: 3, dwells: 1, state: 'closed', begun: '2026-11-23T07:00:00.000250Z' };
-  assert.equal(begunAt('2026-11-23T07:00:00.000120Z', [run]), run);
-  assert.equal(begunAt('2026-11-23T07:00:05.000000Z', [run]), null);
-  assert.equal(begunAt(null, [run]), null);
 });
 
 test('runs that are not in the table are told of', () => {

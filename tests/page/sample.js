@@ -8,9 +8,17 @@ export function dwellOf(changes = {}) {
   return { index: 3, state: 'measuring', start_s: 10, settled_s: 12, verdict_s: 12.5, end_s: 22,
     start_utc: '2026-11-23T07:00:00.000000Z', settles_in_s: 0, settling_reason: 'it has decayed',
     frequency_hz: { value: 4.0003, u: 2e-5 }, phasors: [{ channel: 'y0' }, { channel: 'y1' }],
-    elements: [element(1, 24000, 60), element(2, 8000, 45)], warnings: [], doubts: [], unstated: [], motion: null,
-    model: null, moved_beyond: 1.27, ...changes };
+    elements: [element(1, 24000, 60), element(2, 8000, 45)], warnings: [], warned: [], doubts: [], unstated: [], motion: null,
+    model: null, since: null, ...changes };
 }
+
+// The members of a dwell that warns so. warnings: { kind, text, elements, channels }; the last two may be left out. doubts:
+// as in a dwell.
+export const warningOf = (warnings, doubts = []) => {
+  const all = [...doubts.map(({ what, elements }) => ({ kind: 'doubt', text: what, elements })), ...warnings];
+  return { doubts, warnings: all.map(({ text }) => text),
+    warned: all.map(({ kind, elements = [], channels = [] }) => ({ kind, elements, channels })) };
+};
 
 // What the service says of when numbers are old.
 export const OLD_AFTER = { old_after_s: 2.5, old_after_updates: 2.5 };
@@ -23,7 +31,7 @@ export function toldFreshness() {
 // As dwellOf(), before its transient has decayed.
 export const settlingOf = (changes = {}) => dwellOf({ state: 'settling', settled_s: null, verdict_s: null, end_s: 11,
   settles_in_s: 3.24, elements: [], settling_reason: 'transient left in y1: 22 times the allowed size',
-  warnings: ['not settled: transient left in y1: 22 times the allowed size'], ...changes });
+  ...warningOf([{ kind: 'not settled', text: 'not settled: transient left in y1: 22 times the allowed size' }]), ...changes });
 
 export const idleOf = (changes = {}) => settlingOf({ index: null, state: 'idle', settles_in_s: null,
-  settling_reason: 'the table does not move', warnings: ['not settled: the table does not move'], ...changes });
+  settling_reason: 'the table does not move', ...warningOf([{ kind: 'not settled', text: 'not settled: the table does not move' }]), ...changes });

@@ -137,7 +137,7 @@ export class ScriptedService {
       case 'alarms': return { alarms: [], unacknowledged: 0, left_out: 0 };
       case 'rights': return { read: true, change: false, token: false };
       case 'events': return this.#events(from);
-      case 'dwells': return { dwells: this.#dwells(from) };
+      case 'dwells': return { dwells: this.#dwells(from), file: null };
       case 'traces': return { ...this.#traces(), origin_utc: this.#utc(0), from_s: Math.max(0, this.#s - STEP_S), newest_s: this.#s, less_dwell: null };
       default: return { runs: [], total: 0 };
     }
@@ -152,7 +152,8 @@ export class ScriptedService {
     const dwell = dwellOf();
     const start_s = (index - 1 - DWELLS) * DWELL_S;
     const elements = Array.from({ length: ELEMENTS }, (_, i) => ({ ...structuredClone(dwell.elements[0]), k: i + 1,
-      budget: [{ source: 'scale of y1', stiffness_share: 0.6, damping_share: 0.1 }, { source: 'noise of y1', stiffness_share: 0.4, damping_share: 0.9 }] }));
+      budget: [{ source: 'scale of y1', kind: 'scale', channel: 'y1', stiffness_share: 0.6, damping_share: 0.1 },
+        { source: 'noise of y1', kind: 'noise', channel: 'y1', stiffness_share: 0.4, damping_share: 0.9 }] }));
     for (const { k, stiffness, damping } of elements) {
       stiffness.value *= 1 + 1e-4 * noise(s, k);
       damping.value *= 1 + 1e-3 * noise(s, k + ELEMENTS);
@@ -174,13 +175,13 @@ export class ScriptedService {
 
   #channels() {
     return Array.from({ length: ELEMENTS + 1 }, (_, i) => ({ name: i < ELEMENTS ? `y${i}` : 'reaction', measures: i < ELEMENTS ? 'displacement' : 'force',
-      at: i < ELEMENTS ? i : 'ground', relative_to: null, unit: i < ELEMENTS ? 'mm' : 'N', value: noise(this.#s, i), status: 'ok', age_s: 0.01, rate_hz: 1000,
+      at: i < ELEMENTS ? i : 'ground', relative_to: null, unit: i < ELEMENTS ? 'mm' : 'N', value: noise(this.#s, i), status: 'ok', text: 'ok', age_s: 0.01, rate_hz: 1000,
       jitter_s: 1e-5, received: 1000 * this.#s, dropped: 0, lost: 0, gaps: 0 }));
   }
   #events(from) {
     const next = EVENTS + 1 + Math.floor(this.#s / EVENT_S);
     const first = Math.max(from, next - EVENTS);
-    return { next, events: Array.from({ length: next - first }, (_, i) => ({ number: first + i, utc: this.#utc((first + i - EVENTS) * EVENT_S), level: 'info',
+    return { next, events: Array.from({ length: next - first }, (_, i) => ({ number: first + i, utc: this.#utc((first + i - EVENTS) * EVENT_S), level: 'info', state: null,
       text: `sample clock of amplifier: ${first + i} readings late` })) };
   }
   #traces() {

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { frequencyText, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
-import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
+import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 function viewOf(dwell, more = {}) {
   const fresh = toldFreshness();
@@ -66,19 +66,19 @@ test('channels that are no longer told of are a trouble, though the stream goes 
 
 // A channel that was stuck and moves again: its own status is no trouble, but the dwell does not use it.
 test('what the service holds against a channel that seems well stands in the head, once', () => {
-  const channels = [{ name: 'y1', status: 'ok', reason: null }, { name: 'y2', status: 'gated', reason: 'left out' }, { name: 'y3', status: 'timeout', reason: null }];
-  const health = { log: { failing: false }, troubles: [{ name: 'channel:y2', text: 'channel y2 does not count in this dwell: left out', degrades: true },
-    { name: 'channel:y3', text: 'channel y3: timeout', degrades: true }, { name: 'limit:stiffness:2', text: 'limit violated', degrades: true },
-    { name: 'dwell', text: 'no coefficients: too few sync pulses', degrades: true }, { name: 'clock', text: 'not synchronized', degrades: false }] };
+  const channels = [{ name: 'y1', status: 'ok', text: 'ok' }, { name: 'y2', status: 'gated', text: 'gated: left out' }, { name: 'y3', status: 'timeout', text: 'timeout' }];
+  const health = { log: { failing: false }, troubles: [{ kind: 'channel', channel: 'y2', text: 'channel y2: not counted in this dwell: left out', why: 'not counted in this dwell: left out' },
+    { kind: 'channel', channel: 'y3', text: 'channel y3: timeout', why: 'timeout' }, { kind: 'limit', channel: null, text: 'limit violated' },
+    { kind: 'dwell', channel: null, text: 'no coefficients: too few sync pulses' }, { kind: 'clock', channel: null, text: 'not synchronized' }] };
   const texts = (dwell) => troubles(viewOf(dwell, { health, channels })).map((t) => `${t.tone}: ${t.text}`);
-  assert.deepEqual(texts(dwellOf()), ['alarm: channel y3: timeout', 'alarm: channel y2 does not count in this dwell: left out',
+  assert.deepEqual(texts(dwellOf()), ['alarm: channel y3: timeout', 'alarm: channel y2: not counted in this dwell: left out',
     'alarm: no coefficients: too few sync pulses']);
   assert.ok(!texts(idleOf({ state: 'fault' })).some((text) => /sync/.test(text)), 'the state says it');
 });
 
 test('channels of which the service says the same stand in one line', () => {
-  const channels = ['y0', 'y1', 'y2'].map((name) => ({ name, status: 'ok', reason: null }));
-  const why = (name, n) => ({ name: `channel:${name}`, text: `channel ${name}: left out of 836 readings: ${n} readings far from all others`, degrades: true });
+  const channels = ['y0', 'y1', 'y2'].map((name) => ({ name, status: 'ok', text: 'ok' }));
+  const why = (channel, n) => ({ kind: 'channel', channel, why: `left out of 836 readings: ${n} readings far from all others` });
   const health = { log: { failing: false }, troubles: [why('y0', 4), why('y1', 4), why('y2', 3)] };
   assert.deepEqual(troubles(viewOf(dwellOf(), { health, channels })).map((t) => t.text), [
     'channels y0, y1: left out of 836 readings: 4 readings far from all others', 'channel y2: left out of 836 readings: 3 readings far from all others']);
@@ -126,17 +126,18 @@ test('since when: from the dwell, while idle from the events', () => {
   assert.equal(sinceMs(settlingOf(), []), at + 10000);
   assert.equal(sinceMs(dwellOf({ state: 'complete' }), []), at + 22000);
   assert.equal(sinceMs(idleOf(), []), null);
-  const events = [{ kind: 'state', state: 'settling', utc: '2026-11-23T06:00:00Z' }, { kind: 'state', state: 'idle', utc: '2026-11-23T07:00:07Z' }];
+  const events = [{ state: 'settling', utc: '2026-11-23T06:00:00Z' }, { state: 'idle', utc: '2026-11-23T07:00:07Z' },
+    { state: null, utc: '2026-11-23T07:00:09Z', text: 'state of the art' }];
   assert.equal(sinceMs(idleOf(), events), at + 7000);
   assert.equal(sinceMs(idleOf({ state: 'fault' }), events), null);
 });
 
 test('channels that fail alike are told together, with the cause in full', () => {
-  const silent = { status: 'timeout', reason: 'station 1: no answer within 0.1 s' };
-  const channels = [{ name: 'y0', ...silent }, { name: 'y1', ...silent }, { name: 'y2', status: 'ok', reason: null },
-    { name: 'y3', status: 'stuck', reason: 'the same reading 300 times' }, { name: 'y4', status: 'stuck', reason: 'stuck at one reading' }];
+  const silent = { status: 'timeout', text: 'timeout: station 1: no answer within 0.1 s' };
+  const channels = [{ name: 'y0', ...silent }, { name: 'y1', ...silent }, { name: 'y2', status: 'ok', text: 'ok' },
+    { name: 'y3', status: 'stuck', text: 'stuck at one reading' }];
   assert.deepEqual(troubles(viewOf(dwellOf(), { channels })).map((t) => t.text),
-    ['channels y0, y1: timeout, station 1: no answer within 0.1 s', 'channel y3: stuck, the same reading 300 times', 'channel y4: stuck at one reading']);
+    ['channels y0, y1: timeout: station 1: no answer within 0.1 s', 'channel y3: stuck at one reading']);
 });
 
 test('recording, GPIO and doubts about the whole dwell stand beside the state', () => {
@@ -170,8 +171,9 @@ test('limits and warnings of the dwell are counted for the head, acknowledged or
   assert.deepEqual(of('kept'), { text: 'all kept', tone: 'calm' });
   assert.equal(of(), null);
   assert.equal(limitsText(idleOf({ limits: [{ verdict: 'none' }] })), null);
-  assert.equal(warningsText(dwellOf({ warnings: ['a', 'b', 'c'], doubts: [{ elements: [1], what: 'a' }] })), '2');
-  assert.equal(warningsText(dwellOf({ warnings: ['a'] })), '1');
+  const warnings = ['a', 'b'].map((text) => ({ kind: 'hum', text }));
+  assert.equal(warningsText(dwellOf(warningOf(warnings, [{ elements: [1], what: 'a' }]))), '2', 'a doubt is none, whatever its words');
+  assert.equal(warningsText(dwellOf(warningOf(warnings.slice(1)))), '1');
   assert.equal(warningsText(idleOf()), null, 'that it has not settled is its state');
 });
 
@@ -189,6 +191,6 @@ test('a recording that is played does not pass for a rig, and its end for a faul
 });
 
 test('an overdue calibration stands in the head in the tone of care', () => {
-  const health = { status: 'ok', log: {}, troubles: [{ name: 'calibration:y1', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31', degrades: false }] };
+  const health = { status: 'ok', log: {}, troubles: [{ kind: 'calibration', channel: 'y1', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31', degrades: false }] };
   assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31' }]);
 });
