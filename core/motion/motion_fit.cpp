@@ -31,12 +31,13 @@ class Search {
     if (!std::isfinite(best.V)) return best;
     solve_linear(best);
     double damping = kLeastDamping;
-    while (best.passes < limits_.passes && damping < kMostDamping) {
+    while (true) {
       hold_at_bounds(best);
       const VectorXd g = score(best);
       const ToldInverse inverse(information(best), used_);
       best.left = g.dot(inverse.times(g, kHardlyTold));
-      if (best.left < limits_.gain) break;
+      // Asked only here, where `left` is that of `best`: a step that was just taken may have far to go.
+      if (best.left < limits_.gain || best.passes >= limits_.passes || damping >= kMostDamping) break;
       const VectorXd step = -inverse.times(g, damping);
       MotionFit next = evaluated(moved(best.at, step));
       next.passes = ++best.passes;

@@ -57,6 +57,18 @@ TEST(MotionFit, HoldsAnIntensityAtItsBound) {
   EXPECT_EQ(fit.covariance(q, q), 0.0);
 }
 
+// A step that was just taken says nothing of how far it is from there.
+TEST(MotionFit, HasNotConvergedWherePassesRunOutOnTheWay) {
+  Fitted at;
+  for (const int passes : {3, 4}) {
+    at.limits.passes = passes;
+    const MotionFit fit = at.from(0.8);
+    EXPECT_EQ(fit.passes, passes);
+    EXPECT_GT(fit.left, 1.0) << passes;
+    EXPECT_FALSE(fit.converged) << passes;
+  }
+}
+
 TEST(MotionRecorder, GivesReadingsInSIAtTheInstantsOfTheMotion) {
   Rig rig = rig_of(free_chain(), 4.0);
   rig.channels[1].delay_s = 0.002;
