@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -246,24 +245,31 @@ class Report {
     return out;
   }
 
+  // Of the coefficients in rows c and c + 1.
   [[nodiscard]] std::vector<BudgetShare> budget(Index c) const {
-    std::map<std::string, std::pair<double, double>> parts;
-    parts["noise"] = {noise_(c, c), noise_(c + 1, c + 1)};
-    for (Index s = 0; s < by_stated_.cols(); ++s) {
-      auto& part = parts[name_of(rig_, course_.parameters[static_cast<std::size_t>(free_ + s)])];
-      part.first += std::max(0.0, by_stated_(c, s) * of_stated_(c, s));
-      part.second += std::max(0.0, by_stated_(c + 1, s) * of_stated_(c + 1, s));
-    }
-    if (moves_.size() > 0) parts[moved_by_ + ", missing"] = {moves_(c) * moves_(c), moves_(c + 1) * moves_(c + 1)};
-    double stiffness = 0.0, damping = 0.0;
-    for (const auto& [name, part] : parts) {
-      stiffness += part.first;
-      damping += part.second;
-    }
     std::vector<BudgetShare> out;
-    for (const auto& [name, part] : parts)
-      if (part.first > 0 || part.second > 0)
-        out.push_back({name, part.first / stiffness, part.second / damping, SourceKind::other, {}});
+    const auto add = [&](BudgetShare source, double of_stiffness, double of_damping) {
+      if (!(of_stiffness > 0) && !(of_damping > 0)) return;
+      source.stiffness_share = of_stiffness;
+      source.damping_share = of_damping;
+      out.push_back(std::move(source));
+    };
+    add({.source = "noise", .kind = SourceKind::noise, .channel = {}}, noise_(c, c), noise_(c + 1, c + 1));
+    for (Index s = 0; s < by_stated_.cols(); ++s)
+      add(source_of(rig_, course_.parameters[static_cast<std::size_t>(free_ + s)]),
+          std::max(0.0, by_stated_(c, s) * of_stated_(c, s)),
+          std::max(0.0, by_stated_(c + 1, s) * of_stated_(c + 1, s)));
+    if (moves_.size() > 0)
+      add({.source = moved_by_ + ", missing", .channel = {}}, moves_(c) * moves_(c), moves_(c + 1) * moves_(c + 1));
+    double stiffness = 0.0, damping = 0.0;
+    for (const BudgetShare& share : out) {
+      stiffness += share.stiffness_share;
+      damping += share.damping_share;
+    }
+    for (BudgetShare& share : out) {
+      share.stiffness_share /= stiffness;
+      share.damping_share /= damping;
+    }
     std::stable_sort(out.begin(), out.end(), [](const BudgetShare& a, const BudgetShare& b) {
       return a.stiffness_share + a.damping_share > b.stiffness_share + b.damping_share;
     });

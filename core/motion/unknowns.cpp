@@ -104,4 +104,42 @@ std::string name_of(const Rig& rig, const Parameter& parameter) {
   return {};
 }
 
+BudgetShare source_of(const Rig& rig, const Parameter& stated) {
+  BudgetShare source;
+  source.source = name_of(rig, stated);
+  const auto i = static_cast<std::size_t>(stated.index);
+  const auto of_channel = [&](SourceKind kind) {
+    source.kind = kind;
+    source.channel = rig.channels[i].name;
+  };
+  switch (stated.what) {
+    case Unknown::scale:
+      of_channel(SourceKind::scale);
+      break;
+    case Unknown::delay:
+      of_channel(SourceKind::delay);
+      break;
+    case Unknown::lowpass:
+      of_channel(SourceKind::lowpass);
+      break;
+    case Unknown::highpass:
+      of_channel(SourceKind::highpass);
+      break;
+    case Unknown::device_delay:
+      source.kind = SourceKind::delay;
+      source.device = rig.devices[i].name;
+      break;
+    case Unknown::mass:
+      source.kind = SourceKind::mass;
+      source.mass = stated.index + 1;
+      break;
+    case Unknown::clock:
+      source.kind = SourceKind::clock_rate;
+      break;
+    default:  // nothing states these
+      break;
+  }
+  return source;
+}
+
 }  // namespace dwell

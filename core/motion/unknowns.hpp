@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -58,5 +59,9 @@ struct Parameter {
 
 // As the budget of a dwell names its source: "scale of y1", "mass 2", "delay of amplifier", "noise of y0".
 [[nodiscard]] std::string name_of(const Rig& rig, const Parameter& parameter);
+
+// The entry of a budget for a parameter with a stated uncertainty: name and kind, and whose it is. Shares are left at
+// 0.
+[[nodiscard]] BudgetShare source_of(const Rig& rig, const Parameter& stated);
 
 }  // namespace dwell

@@ -7,7 +7,7 @@ namespace dwell {
 
 // Of an entry of a budget. The comment says what BudgetShare has beside the kind.
 enum class SourceKind : std::uint8_t {
-  other,             // not told, as by any motion
+  other,             // by any motion: a term that the rig file lacks
   noise,             // its channel
   transient_left,    // its channel
   quantization,      // its channel

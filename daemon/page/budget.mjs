@@ -17,7 +17,7 @@ const ADVICE = {
   'transient left': () => 'let it settle longer',
 };
 
-// share: an entry of a budget. The kinds of an estimate from the transient are not told.
+// share: an entry of a budget.
 export const adviceOn = (share) => ADVICE[share.kind]?.(share) ?? `look at: ${share.source}`;
 
 // { bars: [{ source, share }], advice }: the largest parts of the variance, noise of all channels as one. share: of

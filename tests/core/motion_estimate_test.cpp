@@ -86,7 +86,7 @@ TEST(MotionEstimate, CoversAScaleAndAMassThatAreOffAsStated) {
   rig.masses[0] += 0.15;
   const MotionEstimate found = estimate_motion(rig, data);
   ASSERT_EQ(found.reason, "");
-  bool named = false;
+  bool scale = false, mass = false;
   for (std::size_t e = 0; e < 3; ++e) {
     const Coefficient& c = found.elements[e].stiffness;
     EXPECT_LT(std::abs(c.value - chain.stiffness[e]), 3 * c.u) << e;
@@ -94,11 +94,14 @@ TEST(MotionEstimate, CoversAScaleAndAMassThatAreOffAsStated) {
     double shares = 0.0;
     for (const BudgetShare& share : found.elements[e].budget) {
       shares += share.stiffness_share;
-      named = named || share.source == "scale of reaction";
+      scale = scale ||
+              (share.source == "scale of reaction" && share.kind == SourceKind::scale && share.channel == "reaction");
+      mass = mass || (share.source == "mass 2" && share.kind == SourceKind::mass && share.mass == 2);
     }
     EXPECT_NEAR(shares, 1.0, 1e-9);
   }
-  EXPECT_TRUE(named);
+  EXPECT_TRUE(scale);
+  EXPECT_TRUE(mass);
 }
 
 TEST(MotionEstimate, RefusesAnElementThatIsFarFromLinear) {
