@@ -61,6 +61,69 @@ std::string limit_mark(const DwellView& view, int k, CoefficientKind kind) {
   return {};
 }
 
+// A line of the table of dwells: one element; the first one also tells of the dwell.
+struct DwellRow {
+  std::string dwell, ended_by, data, element, model, note;
+  NumberText frequency, stiffness, damping;
+  std::string stiffness_mark, damping_mark;  // behind the numbers
+};
+
+template <class Cell>
+std::vector<Cell> column(const std::vector<DwellRow>& rows, Cell DwellRow::*cell) {
+  std::vector<Cell> cells;
+  for (const DwellRow& row : rows) cells.push_back(row.*cell);
+  return cells;
+}
+
+std::vector<std::string> marked(const std::vector<DwellRow>& rows, NumberText DwellRow::*number,
+                                std::string DwellRow::*mark) {
+  std::vector<std::string> cells = join_aligned(column(rows, number));
+  for (std::size_t i = 0; i < cells.size(); ++i) cells[i] += rows[i].*mark;
+  return cells;
+}
+
+DwellRow element_row(const DwellView& view, const ElementEstimate& e) {
+  const auto mark = [&](const Coefficient& c, CoefficientKind kind) {
+    return e.identifiable ? marks(view.dwell, e, c) + limit_mark(view, e.k, kind) : "";
+  };
+  DwellRow row;
+  row.element = std::to_string(e.k);
+  row.stiffness = interval(e, e.stiffness, stiffness_unit(view.motion));
+  row.damping = interval(e, e.damping, damping_unit(view.motion));
+  row.stiffness_mark = mark(e.stiffness, CoefficientKind::stiffness);
+  row.damping_mark = mark(e.damping, CoefficientKind::damping);
+  row.note = e.identifiable ? "" : e.reason;
+  return row;
+}
+
+std::vector<DwellRow> rows_of(const DwellView& view) {
+  const Dwell& d = view.dwell;
+  std::vector<DwellRow> rows;
+  for (const ElementEstimate& e : d.elements) rows.push_back(element_row(view, e));
+  if (rows.empty()) {
+    rows.emplace_back();
+    rows.back().note = "not settled" + (d.settling_reason.empty() ? "" : ": " + d.settling_reason);
+  }
+  const bool settled = std::isfinite(d.settled_s);
+  DwellRow& first = rows.front();
+  first.dwell = d.index ? std::to_string(*d.index) : "";
+  first.ended_by = d.state == State::complete ? to_string(d.ended_by) : to_string(d.state);
+  first.data = settled ? seconds_text(d.end_s - d.settled_s, 1) : kNoNumber;
+  // Before settling, ± would be stated of a fit that holds part of the transient.
+  first.frequency = settled ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
+                            : number_text(d.frequency_hz.value, "Hz", 4);
+  first.model = view.model ? model_brief(*view.model) : "";
+  return rows;
+}
+
+std::vector<std::string> doubts_of(const DwellView& view) {
+  const std::string whose = "dwell " + (view.dwell.index ? std::to_string(*view.dwell.index) : "") + ": ";
+  std::vector<std::string> doubts;
+  for (const Doubt& doubt : view.dwell.doubts) doubts.push_back(whose + doubt_text(doubt));
+  if (view.model && !view.model->objection.empty()) doubts.push_back(whose + view.model->objection);
+  return doubts;
+}
+
 }  // namespace
 
 std::string channels_table(const Json& list) {
@@ -140,67 +203,26 @@ std::string earlier_runs_text(const Json& runs) {
 }
 
 std::string dwells_table(const std::vector<DwellView>& dwells) {
-  std::vector<std::string> numbers, states, data, elements, models, notes;
-  std::vector<NumberText> frequencies, stiffness, damping;
-  std::vector<std::string> stiffness_marks, damping_marks, doubts;
+  std::vector<DwellRow> rows;
   std::vector<const Dwell*> shown;
-  for (const DwellView& view : dwells) {
-    shown.push_back(&view.dwell);
-    const Dwell& d = view.dwell;
-    const std::size_t lines = std::max<std::size_t>(d.elements.size(), 1);
-    for (std::size_t i = 0; i < lines; ++i) {
-      const bool first = i == 0;
-      const bool settled = std::isfinite(d.settled_s);
-      numbers.push_back(first && d.index ? std::to_string(*d.index) : "");
-      states.push_back(!first ? "" : d.state == State::complete ? to_string(d.ended_by) : to_string(d.state));
-      data.push_back(!first ? "" : settled ? seconds_text(d.end_s - d.settled_s, 1) : kNoNumber);
-      // Before settling, ± would be stated of a fit that holds part of the transient.
-      frequencies.push_back(!first    ? NumberText{}
-                            : settled ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
-                                      : number_text(d.frequency_hz.value, "Hz", 4));
-      models.push_back(first && view.model ? model_brief(*view.model) : "");
-      if (i >= d.elements.size()) {
-        elements.emplace_back();
-        stiffness.emplace_back();
-        damping.emplace_back();
-        stiffness_marks.emplace_back();
-        damping_marks.emplace_back();
-        notes.push_back("not settled" + (d.settling_reason.empty() ? "" : ": " + d.settling_reason));
-        continue;
-      }
-      const ElementEstimate& e = d.elements[i];
-      elements.push_back(std::to_string(e.k));
-      stiffness.push_back(interval(e, e.stiffness, stiffness_unit(view.motion)));
-      damping.push_back(interval(e, e.damping, damping_unit(view.motion)));
-      stiffness_marks.push_back(
-          e.identifiable ? marks(d, e, e.stiffness) + limit_mark(view, e.k, CoefficientKind::stiffness) : "");
-      damping_marks.push_back(e.identifiable ? marks(d, e, e.damping) + limit_mark(view, e.k, CoefficientKind::damping)
-                                             : "");
-      notes.push_back(e.identifiable ? "" : e.reason);
-    }
-    const std::string whose = "dwell " + (d.index ? std::to_string(*d.index) : "") + ": ";
-    for (const Doubt& doubt : d.doubts) doubts.push_back(whose + doubt_text(doubt));
-    if (view.model && !view.model->objection.empty()) doubts.push_back(whose + view.model->objection);
-  }
-  Table table;
-  table.add("dwell", std::move(numbers), Align::right);
-  table.add("ended by", std::move(states));
-  table.add("frequency", join_aligned(frequencies));
-  table.add("data", std::move(data), Align::right);
-  table.add("element", std::move(elements), Align::right);
-  const auto marked = [](const std::vector<NumberText>& column, const std::vector<std::string>& behind) {
-    std::vector<std::string> cells = join_aligned(column);
-    for (std::size_t i = 0; i < cells.size(); ++i) cells[i] += behind[i];
-    return cells;
-  };
-  table.add("stiffness", marked(stiffness, stiffness_marks));
-  table.add("damping", marked(damping, damping_marks));
-  if (std::any_of(models.begin(), models.end(), [](const std::string& model) { return !model.empty(); }))
-    table.add("model", std::move(models));
-  table.add("", std::move(notes));
   std::string text;
   // Whoever looks for a number finds it below what makes it worthless.
-  for (const std::string& doubt : doubts) text += printable(doubt) + "\n";
+  for (const DwellView& view : dwells) {
+    shown.push_back(&view.dwell);
+    for (const std::string& doubt : doubts_of(view)) text += printable(doubt) + "\n";
+    for (DwellRow& row : rows_of(view)) rows.push_back(std::move(row));
+  }
+  Table table;
+  table.add("dwell", column(rows, &DwellRow::dwell), Align::right);
+  table.add("ended by", column(rows, &DwellRow::ended_by));
+  table.add("frequency", join_aligned(column(rows, &DwellRow::frequency)));
+  table.add("data", column(rows, &DwellRow::data), Align::right);
+  table.add("element", column(rows, &DwellRow::element), Align::right);
+  table.add("stiffness", marked(rows, &DwellRow::stiffness, &DwellRow::stiffness_mark));
+  table.add("damping", marked(rows, &DwellRow::damping, &DwellRow::damping_mark));
+  if (std::any_of(rows.begin(), rows.end(), [](const DwellRow& row) { return !row.model.empty(); }))
+    table.add("model", column(rows, &DwellRow::model));
+  table.add("", column(rows, &DwellRow::note));
   text += table.text();
   for (const std::string& line : legend_of(shown)) text += printable(line) + "\n";
   return text;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "daemon/ctl/deviation.hpp"
+#include "daemon/ctl/pager.hpp"
 #include "daemon/report/limit_text.hpp"
 #include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
@@ -146,53 +147,6 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
   return lines;
 }
 
-// Sections set one below the other on pages of so many rows.
-class Pager {
- public:
-  explicit Pager(std::size_t rows) : rows_(std::max<std::size_t>(rows, 1)), pages_(1) {}
-
-  // The page on which the section begins.
-  std::size_t add(const Section& section) {
-    const std::size_t between = pages_.back().empty() ? 0 : 1;
-    const std::size_t kept = section.body.size() - section.notes;
-    const std::size_t whole = section.head.size() + kept;
-    const std::size_t room = rows_ - std::min(rows_, pages_.back().size() + between);
-    // What fits on a page of its own is not torn; what does not, begins where three of its lines fit.
-    if (room < std::min(whole, rows_) && (whole <= rows_ || room < section.head.size() + 3)) {
-      turn();
-    } else if (between != 0) {
-      pages_.back().push_back({});
-    }
-    const std::size_t first = pages_.size() - 1;
-    put(section.head);
-    for (std::size_t i = 0; i < section.body.size(); ++i) {
-      if (pages_.back().size() >= rows_) {
-        turn();
-        // A page of titles alone would go on for ever.
-        if (i < kept && section.head.size() < rows_) put(section.head);
-      }
-      pages_.back().push_back(section.body[i]);
-    }
-    return first;
-  }
-
-  [[nodiscard]] const std::vector<std::vector<TextLine>>& pages() const { return pages_; }
-
- private:
-  void turn() {
-    if (!pages_.back().empty()) pages_.emplace_back();
-  }
-  void put(const std::vector<TextLine>& lines) {
-    for (const TextLine& line : lines) {
-      if (pages_.back().size() >= rows_) turn();
-      pages_.back().push_back(line);
-    }
-  }
-
-  std::size_t rows_;
-  std::vector<std::vector<TextLine>> pages_;
-};
-
 // Long doubts must not push the coefficients they concern off the first page: what is beyond half of it goes below
 // them.
 void make_room(std::vector<Section>& sections, std::size_t rows) {
@@ -315,11 +269,12 @@ std::vector<TextLine> footer(const Controls& controls, std::size_t page, std::si
   return lines;
 }
 
-}  // namespace
+// On which pages the header's doubts, warnings and alarms stand.
+struct Places {
+  std::size_t warnings = 0, alarms = 0, pages = 0;
+};
 
-Page draw(const WatchState& state, const Controls& controls, const Truth* truth, Size size, double now_s,
-          const std::string& clock) {
-  const std::size_t columns = std::max<std::size_t>(size.columns, 8);
+std::vector<Section> sections_of(const WatchState& state, const Truth* truth, std::size_t columns, double now_s) {
   std::vector<Section> sections;
   if (state.dwell()) {
     sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
@@ -328,6 +283,44 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     put_legend(sections, *state.dwell(), columns);
   }
   if (Section list = alarms_section(state.alarms(), columns); !list.body.empty()) sections.push_back(std::move(list));
+  return sections;
+}
+
+// The first line after the title: what is so, and whether it may be relied on.
+TextLine state_line(const WatchState& state, const Places& places, double now_s) {
+  if (!state.dwell()) return {"waiting for the service's first word", Style::plain};
+  const Dwell& dwell = state.dwell()->dwell;
+  const bool old = state.old(now_s);
+  const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
+                           count_of(dwell.doubts.size(), "doubt", 0, places.pages) +
+                           count_of(warnings_in(*state.dwell()), "warning", places.warnings, places.pages);
+  const Style style = old                     ? Style::old
+                      : !dwell.doubts.empty() ? Style::alarm
+                      : state.ended()         ? Style::old
+                                              : Style::plain;
+  return {text, style};
+}
+
+std::vector<TextLine> header_of(const WatchState& state, const Controls& controls, const Places& places,
+                                std::size_t columns, double now_s, const std::string& clock) {
+  std::vector<TextLine> header;
+  header.push_back(
+      {spread(printable(state.name), "age " + age_of(state, now_s) + " · " + clock, columns), Style::title});
+  const TextLine line = state_line(state, places, now_s);
+  add(header, line.text, columns, line.style);
+  for (TextLine& alarm : alarms(state, controls, where_of(places.alarms, places.pages), columns, now_s))
+    header.push_back(std::move(alarm));
+  if (const std::string facts = state.dwell() ? facts_of(state, now_s) : ""; !facts.empty())
+    add(header, facts, columns, current(state, now_s) ? Style::plain : Style::old);
+  return header;
+}
+
+}  // namespace
+
+Page draw(const WatchState& state, const Controls& controls, const Truth* truth, Size size, double now_s,
+          const std::string& clock) {
+  const std::size_t columns = std::max<std::size_t>(size.columns, 8);
+  const std::vector<Section> sections = sections_of(state, truth, columns, now_s);
 
   // The header tells the pages of doubts and warnings, and its height decides on which pages they are: the second time
   // round its height is known.
@@ -335,8 +328,6 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   std::vector<TextLine> header;
   std::vector<TextLine> keys = footer(controls, 0, 2, columns);
   std::vector<TextLine> body;
-  std::size_t warnings_page = 0;
-  std::size_t alarms_page = 0;
   std::size_t header_rows = 3;
   for (int round = 0; round < 2; ++round) {
     const std::size_t around = header_rows + 1 + keys.size();
@@ -344,37 +335,17 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     std::vector<Section> set = sections;
     make_room(set, rows);
     Pager pager(rows);
+    Places places;
     for (const Section& section : set) {
       const std::size_t first = pager.add(section);
-      if (section.name == kWarnings) warnings_page = first;
-      if (section.name == kAlarms) alarms_page = first;
+      if (section.name == kWarnings) places.warnings = first;
+      if (section.name == kAlarms) places.alarms = first;
     }
-    page.pages = pager.pages().size();
+    places.pages = page.pages = pager.pages().size();
     page.page = std::min(controls.page, page.pages - 1);
     body = pager.pages()[page.page];
     keys = footer(controls, page.page, page.pages, columns);
-
-    header.clear();
-    header.push_back(
-        {spread(printable(state.name), "age " + age_of(state, now_s) + " · " + clock, columns), Style::title});
-    if (state.dwell()) {
-      const Dwell& dwell = state.dwell()->dwell;
-      const bool old = state.old(now_s);
-      const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
-                               count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
-                               count_of(warnings_in(*state.dwell()), "warning", warnings_page, page.pages);
-      const Style style = old                     ? Style::old
-                          : !dwell.doubts.empty() ? Style::alarm
-                          : state.ended()         ? Style::old
-                                                  : Style::plain;
-      ctl::add(header, text, columns, style);
-    } else {
-      ctl::add(header, "waiting for the service's first word", columns, Style::plain);
-    }
-    for (TextLine& line : alarms(state, controls, where_of(alarms_page, page.pages), columns, now_s))
-      header.push_back(std::move(line));
-    if (const std::string facts = state.dwell() ? facts_of(state, now_s) : ""; !facts.empty())
-      ctl::add(header, facts, columns, current(state, now_s) ? Style::plain : Style::old);
+    header = header_of(state, controls, places, columns, now_s, clock);
     header_rows = header.size();
   }
 
