@@ -69,7 +69,7 @@ MotionOutcome play_motion(const Case& about, double periods) {
   const MotionEstimate estimate = estimate_motion(about.rig, recorder.data());
   outcome.seconds = cpu_s() - before;
   outcome.reason = estimate.reason;
-  outcome.refused = estimate.reason.find("residuals are not noise") != std::string::npos;
+  outcome.refused = estimate.reason.find("the chain of the rig file does not explain") != std::string::npos;
   outcome.widened = estimate.warnings.empty() ? 0 : 1;
   for (std::size_t e = 0; e < estimate.elements.size(); ++e) {
     const ElementEstimate& element = estimate.elements[e];
