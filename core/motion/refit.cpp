@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr int kRefitPasses = 12;  // from a maximum nearby
 // Two kinds of terms are fitted in rounds. An input depends on the fitted motion, at first on the one without it: it is
 // computed anew from each fit. Of a delay the model has the first terms of a series: the stamps are shifted by what was
 // found. The rounds end when the gain grows by less than this part, after kRounds at the latest.
@@ -47,7 +46,6 @@ Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& te
   std::vector<Parameter> parameters = course.parameters;
   MotionUnknowns at = course.fit.at;
   FitLimits limits = course.limits;
-  limits.passes = kRefitPasses;
   auto known = std::find_if(parameters.begin(), parameters.end(),
                             [&](const Parameter& p) { return p.what == term.what && p.index == term.index; });
   const auto a = static_cast<Index>(known - parameters.begin());

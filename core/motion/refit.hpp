@@ -22,7 +22,8 @@ struct Refit {
 
 // course.fit: converged. start and value: the maximum that the score test expects; used if V is lower there than at the
 // fit without the term. A delay is not bound to the first terms that the model has of it: the stamps are shifted by
-// what was found. Some five to ten passes with derivatives. Allocates; thread-safe.
+// what was found. Some five to ten passes with derivatives, up to as many as a fit takes at most where the fault is
+// large. Allocates; thread-safe.
 [[nodiscard]] Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& term,
                                const MotionUnknowns& start, double value);
 
