@@ -358,7 +358,8 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   const row = page.locator('#dwell-rows tr').first();
   await row.waitFor();
   const { value, U95, unit } = newest.elements[0].stiffness;
-  assert.equal(await row.locator('td').nth(4).innerText(), joined(numberText(value, U95, unit)), 'c₁, as before the restart');
+  const shown = (await row.locator('td').nth(4).innerText()).replace(/^\? /, ''); // so short a dwell may carry a doubt
+  assert.equal(shown, joined(numberText(value, U95, unit)), 'c₁, as before the restart');
   await check(page, 'earlier-desk');
   await row.locator('button').focus();
   await page.keyboard.press('Enter');
