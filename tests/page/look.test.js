@@ -32,7 +32,7 @@ after(async () => {
 async function open(size, query = '', at = bench) {
   const page = await browser.newPage({ viewport: SIZES[size], bypassCSP: true });
   page.setDefaultTimeout(PATIENCE_MS);
-  await page.goto(`${at.url}/${query}`);
+  await page.goto(`${at.url}/${query}`, { timeout: 3 * PATIENCE_MS });
   return page;
 }
 
