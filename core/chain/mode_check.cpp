@@ -199,8 +199,8 @@ std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig&
               : "possible causes: " + single + ", or an element that is not linear");
 }
 
-// Names of the channels that show a mode plainly. able: the number of channels that could. Those on
-// the table cannot, since its motion is imposed.
+// Names of the channels that show a mode plainly. able: the number of channels that could. Those on the table cannot,
+// since its motion is imposed.
 std::vector<std::string> shown_by(const Rig& rig, const SeenMode& mode, std::size_t& able) {
   std::vector<std::string> names;
   able = 0;

@@ -254,13 +254,13 @@ class Report {
       source.damping_share = of_damping;
       out.push_back(std::move(source));
     };
-    add({.source = "noise", .kind = SourceKind::noise, .channel = {}}, noise_(c, c), noise_(c + 1, c + 1));
+    add({.source = "noise", .kind = SourceKind::noise}, noise_(c, c), noise_(c + 1, c + 1));
     for (Index s = 0; s < by_stated_.cols(); ++s)
       add(source_of(rig_, course_.parameters[static_cast<std::size_t>(free_ + s)]),
           std::max(0.0, by_stated_(c, s) * of_stated_(c, s)),
           std::max(0.0, by_stated_(c + 1, s) * of_stated_(c + 1, s)));
     if (moves_.size() > 0)
-      add({.source = moved_by_ + ", missing", .channel = {}}, moves_(c) * moves_(c), moves_(c + 1) * moves_(c + 1));
+      add({.source = moved_by_ + ", missing"}, moves_(c) * moves_(c), moves_(c + 1) * moves_(c + 1));
     double stiffness = 0.0, damping = 0.0;
     for (const BudgetShare& share : out) {
       stiffness += share.stiffness_share;

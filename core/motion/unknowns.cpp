@@ -10,6 +10,27 @@ constexpr double kDriveU = 0.02;
 // the search for what is missing takes longer, as the square. Smaller: a spring past several masses is not tried.
 constexpr int kAllPairs = 8;
 
+// Of what a rig file states.
+SourceKind kind_of(Unknown stated) {
+  switch (stated) {
+    case Unknown::scale:
+      return SourceKind::scale;
+    case Unknown::delay:
+    case Unknown::device_delay:
+      return SourceKind::delay;
+    case Unknown::lowpass:
+      return SourceKind::lowpass;
+    case Unknown::highpass:
+      return SourceKind::highpass;
+    case Unknown::mass:
+      return SourceKind::mass;
+    case Unknown::clock:
+      return SourceKind::clock_rate;
+    default:
+      return SourceKind::other;
+  }
+}
+
 }  // namespace
 
 std::vector<std::pair<int, int>> apart(int masses) {
@@ -105,40 +126,14 @@ std::string name_of(const Rig& rig, const Parameter& parameter) {
 }
 
 BudgetShare source_of(const Rig& rig, const Parameter& stated) {
-  BudgetShare source;
-  source.source = name_of(rig, stated);
+  BudgetShare source{.source = name_of(rig, stated), .kind = kind_of(stated.what)};
   const auto i = static_cast<std::size_t>(stated.index);
-  const auto of_channel = [&](SourceKind kind) {
-    source.kind = kind;
+  if (stated.what == Unknown::mass)
+    source.mass = stated.index + 1;
+  else if (stated.what == Unknown::device_delay)
+    source.device = rig.devices[i].name;
+  else if (stated.what != Unknown::clock)
     source.channel = rig.channels[i].name;
-  };
-  switch (stated.what) {
-    case Unknown::scale:
-      of_channel(SourceKind::scale);
-      break;
-    case Unknown::delay:
-      of_channel(SourceKind::delay);
-      break;
-    case Unknown::lowpass:
-      of_channel(SourceKind::lowpass);
-      break;
-    case Unknown::highpass:
-      of_channel(SourceKind::highpass);
-      break;
-    case Unknown::device_delay:
-      source.kind = SourceKind::delay;
-      source.device = rig.devices[i].name;
-      break;
-    case Unknown::mass:
-      source.kind = SourceKind::mass;
-      source.mass = stated.index + 1;
-      break;
-    case Unknown::clock:
-      source.kind = SourceKind::clock_rate;
-      break;
-    default:  // nothing states these
-      break;
-  }
   return source;
 }
 

@@ -60,8 +60,7 @@ struct Parameter {
 // As the budget of a dwell names its source: "scale of y1", "mass 2", "delay of amplifier", "noise of y0".
 [[nodiscard]] std::string name_of(const Rig& rig, const Parameter& parameter);
 
-// The entry of a budget for a parameter with a stated uncertainty: name and kind, and whose it is. Shares are left at
-// 0.
+// The entry of a budget for one of stated_parameters(): name, kind, and whose it is. Its shares are 0.
 [[nodiscard]] BudgetShare source_of(const Rig& rig, const Parameter& stated);
 
 }  // namespace dwell

@@ -61,10 +61,10 @@ struct BudgetShare {
   double stiffness_share = 0.0;  // part of the variance of c; the shares of an element add up to 1
   double damping_share = 0.0;    // the same of r
   SourceKind kind = SourceKind::other;
-  // Whose it is, as SourceKind says: names, empty where there is none; k of the mass, 0 where there is none.
-  std::string channel;
-  std::string device = {};
-  int mass = 0;
+  // Whose it is. SourceKind says which of these is set.
+  std::string channel = {};  // name; empty: of no channel
+  std::string device = {};   // name; empty: of no device
+  int mass = 0;              // k, the nearest to the table is 1; 0: of no mass
 };
 
 struct ElementEstimate {

@@ -1,26 +1,27 @@
-// What an uncertainty comes from and of what a warning warns, as the public interface names it.
+// Kinds of sources of uncertainty and kinds of warnings, with the names that the public interface gives them.
 #pragma once
 
 #include <cstdint>
 
 namespace dwell {
 
-// Of an entry of a budget. The comment says what BudgetShare has beside the kind.
+// Kinds of the entries of a budget. Those from `noise` to `highpass` are of one channel, which BudgetShare names; a
+// delay may be of a device instead.
 enum class SourceKind : std::uint8_t {
-  other,             // by any motion: a term that the rig file lacks
-  noise,             // its channel
-  transient_left,    // its channel
-  quantization,      // its channel
-  folded_harmonics,  // its channel: what the sampling folds onto the fundamental
-  scale,             // its channel
-  refresh,           // its channel: of a register that is renewed seldom
-  delay,             // its channel, or its device
-  lowpass,           // its channel
-  highpass,          // its channel
-  turnaround,        // its device
-  mass,              // which
-  drive_settling,    // a change of the drive while the rig settled
-  change_within,     // a change within the dwell
+  other,  // by any motion: a term that the rig file lacks
+  noise,
+  transient_left,
+  quantization,
+  folded_harmonics,  // harmonics of the drive that the sampling folds onto the fundamental
+  scale,
+  refresh,  // of a register that is renewed seldom
+  delay,
+  lowpass,
+  highpass,
+  turnaround,      // of a device, which BudgetShare names
+  mass,            // BudgetShare has its number
+  drive_settling,  // a change of the drive while the rig settled
+  change_within,   // a change within the dwell
   frequency,
   clock_rate,
   second_order,  // all sources together
@@ -28,7 +29,7 @@ enum class SourceKind : std::uint8_t {
 [[nodiscard]] const char* to_string(SourceKind kind) noexcept;  // "noise", "transient left", …
 
 enum class WarningKind : std::uint8_t {
-  other,  // also: read from the result of an older program, which has the text alone
+  other,  // also of results of older programs, which hold the text alone
   not_settled,
   no_coefficients,
   readings,         // of one channel

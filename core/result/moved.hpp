@@ -19,10 +19,10 @@ inline constexpr double kFalselyMoved = 0.05;
 // For all coefficients of the dwell that have numbers; NaN: it has none.
 [[nodiscard]] double moved_beyond(const Dwell& dwell) noexcept;
 
-// How a coefficient differs from that of the dwell before, as a part of the value before.
+// The change of a coefficient since the dwell before, relative to its value there.
 struct CoefficientMove {
-  double change = kNaN;  // NaN: there is nothing to compare with
-  double U95 = kNaN;     // of the change: √(U95² + U95²) of the two dwells
+  double change = kNaN;  // NaN: the dwell before has no number for it
+  double U95 = kNaN;     // of the change: √(U95² + U95²) of the two dwells, relative too
   bool moved = false;    // |change| > moved_beyond() · U95
 };
 struct ElementMove {
@@ -30,7 +30,7 @@ struct ElementMove {
   CoefficientMove stiffness, damping;
 };
 
-// Of every element that has numbers now. Thread-safe; allocates.
+// Of every element that has numbers now. Thread-safe; allocates. O(elements²).
 [[nodiscard]] std::vector<ElementMove> moves_since(const Dwell& before, const Dwell& now);
 
 }  // namespace dwell

@@ -116,7 +116,7 @@ SettlingDetector::Decay SettlingDetector::decay(const Window& now, double period
   return {seen_s / 6, std::max(1.01 * period_s, seen_s - seen_s / 6)};
 }
 
-// Largest transient that may be left in a channel, whose newest reading is b.
+// The largest transient that may be left in channel c. b: its newest reading.
 double SettlingDetector::most_left(int c, const Reading& b, double t_s, const Decay& decay) const noexcept {
   double left = INFINITY, latest = 0.0;
   for (int i = 0; i < static_cast<int>(windows_.size()); ++i) {
@@ -145,7 +145,7 @@ double SettlingDetector::most_left(int c, const Reading& b, double t_s, const De
   return std::max(left, latest);
 }
 
-// rms distance of a channel's windows, from window `from` on for a time constant, from its newest reading.
+// rms distance between the newest reading of channel c and its windows from `from` on, within one time constant T.
 double SettlingDetector::spread(int c, const Reading& newest, int from, double T) const noexcept {
   if (!newest.usable) return 0.0;
   const double until_s = windows_[static_cast<std::size_t>(from)].t_s + T;

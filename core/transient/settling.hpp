@@ -80,10 +80,10 @@ class SettlingDetector {
   void remember(const Window& window, std::span<const Reading> readings) noexcept;
   [[nodiscard]] double allowed(const Reading& now) const noexcept;
   [[nodiscard]] bool agrees(int window, const Window& now, std::span<const Reading> readings) const noexcept;
-  // The time constant of what may be left, and the age up to which a window's difference from the newest counts as it
-  // is; both in s.
+  // How fast the transient decays, for the bound on what is left of it.
   struct Decay {
-    double T, as_it_is_s;
+    double T;           // time constant, s
+    double as_it_is_s;  // windows younger than this overlap the newest: their difference counts undiminished
   };
   [[nodiscard]] Decay decay(const Window& now, double period_s) const noexcept;
   [[nodiscard]] double most_left(int channel, const Reading& newest, double t_s, const Decay& decay) const noexcept;

@@ -1,4 +1,4 @@
-// How each coefficient differs from that of the settled dwell before, as the service tells it:
+// The change of each coefficient since the settled dwell before, as the service tells it:
 //
 //   change since dwell 2; moved: by more than chance (one false alarm in 20 dwells)
 //   element  stiffness                         damping

@@ -47,11 +47,22 @@ bool is_instant(std::string_view member) {
 
 bool is_share(std::string_view member) { return member == "stiffness_share" || member == "damping_share"; }
 
-// Members that only later programs tell. They say in fields what a text beside them says as well: a result that was
-// stored without them lacks nothing.
-bool came_later(std::string_view member) {
-  static constexpr std::array<std::string_view, 6> later{"kind", "channel", "device", "mass", "warned", "doubted"};
-  return std::find(later.begin(), later.end(), member) != later.end();
+// Members that only later programs tell, by the list whose entries have them. They say in fields what a text beside
+// them says as well: a result that was stored without them lacks nothing. path: of the object that has the member.
+bool came_later(std::string_view path, std::string_view member) {
+  struct Later {
+    std::string_view list, member;  // list empty: any object
+  };
+  static constexpr std::array<Later, 6> later{{{"budget", "kind"},
+                                               {"budget", "channel"},
+                                               {"budget", "device"},
+                                               {"budget", "mass"},
+                                               {"limits", "doubted"},
+                                               {"", "warned"}}};
+  const std::string_view list = path.substr(0, path.rfind('['));  // "elements[0].budget[2]": that ends with its name
+  return std::any_of(later.begin(), later.end(), [&](const Later& one) {
+    return one.member == member && (one.list.empty() || list.ends_with(one.list));
+  });
 }
 
 // What the difference of a number is measured in.
@@ -107,7 +118,7 @@ class Walk {
       }
     }
     for (const auto& [name, value] : replayed.items())
-      if (stored.find(name) == stored.end() && !came_later(name)) differ(front + name, "", in_words(value));
+      if (stored.find(name) == stored.end() && !came_later(path, name)) differ(front + name, "", in_words(value));
   }
 
   void arrays(const std::string& path, const Json& stored, const Json& replayed, const Scale& scale) {

@@ -38,7 +38,7 @@ struct LiveAge {
   bool stale = false;  // the service's judgement: nothing of the dwell is known to be true now
 };
 
-// How a live dwell's coefficients differ from those of the settled dwell before it.
+// The change of a live dwell's coefficients since the settled dwell before it.
 struct SinceBefore {
   int index = 0;          // of the dwell before …
   std::string start_utc;  // … its run's t = 0, ISO 8601 …

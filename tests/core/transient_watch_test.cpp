@@ -234,7 +234,7 @@ TEST(TransientWatch, TakesNoMoreReadingsOfASettledDwellThanItsLastEstimateTakes)
   start.watch.ended(settled_dwell(1, 1.0, 2.0));
   ASSERT_TRUE(start.watch.due());
   const TransientJob last = start.watch.hand_over();
-  EXPECT_EQ(last.result.given, 500'000u / 7 / 5) << "a fifth of what an estimate takes";
+  EXPECT_EQ(last.result.given, 500'000u / 7 / 5) << "a fifth of the readings that an estimate may take";
   EXPECT_EQ(last.readings.size(), last.result.given) << "what it names is what it uses";
 }
 

@@ -93,7 +93,8 @@ TEST(Deviation, IsAPartOfTheValueBeforeAndCountsTheU95OfBoth) {
   EXPECT_EQ(moves[0].damping.change, 0.0);
   EXPECT_FALSE(moves[0].damping.moved);
   now.elements[0].stiffness.value = -1000.0 - 0.99 * moved_beyond(2) * 5.0;
-  EXPECT_FALSE(moves_since(before, now)[0].stiffness.moved) << "as far as chance may move one of two";
+  EXPECT_FALSE(moves_since(before, now)[0].stiffness.moved)
+      << "a change that chance may make in one of two coefficients";
 }
 
 TEST(Deviation, WhatRoundsToZeroHasNoSign) {
