@@ -10,6 +10,7 @@
 #include "core/base/instants.hpp"
 #include "core/motion/unknowns.hpp"
 #include "tests/core/bench_rig.hpp"
+#include "tests/core/faulty_motion.hpp"
 
 namespace dwell {
 namespace {
@@ -71,6 +72,24 @@ TEST(MotionCourse, ComesToTheMaximumThatTheTruthLeadsToWhereATableBeginsSlowly) 
         fit_motion(MotionModel(rig, course.parameters), course.data, std::move(truth), course.limits);
     ASSERT_TRUE(from_truth.converged);
     EXPECT_LT(course.fit.V - from_truth.V, 0.01) << "seed " << seed;
+  }
+}
+
+// With all intensities too low, noise takes the place of what the table does beside its drive. That maximum has 22
+// times the noise of the readings, so a bound of three times tells the two.
+TEST(MotionCourse, TakesNoSecondToneOfTheTableForNoise) {
+  const Chain chain{Boundary::clamped, {}, {2e4}, {40}};
+  const Rig rig = rig_of(chain, 4.0);
+  constexpr double kOfDrive = 0.005, kNoise = 0.013 * kOfDrive;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const FaultyMotion motion(chain, {}, kOfDrive, {{4.0, 1.0}, {6.1, 0.4}});
+    const MotionCourse course =
+        run_course(rig, readings_of(rig, motion, 3.3, 48.0, {kNoise, kNoise * chain.stiffness[0]}, seed), 100'000);
+    ASSERT_EQ(course.reason, "");
+    for (std::size_t a = 0; a < course.parameters.size(); ++a) {
+      if (course.parameters[a].what != Unknown::noise || course.parameters[a].index != 0) continue;
+      EXPECT_LT(std::exp(course.fit.at.theta(static_cast<Eigen::Index>(a))), 3 * kNoise) << "seed " << seed;
+    }
   }
 }
 

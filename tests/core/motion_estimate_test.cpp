@@ -9,6 +9,7 @@
 #include "core/model/forward.hpp"
 #include "core/motion/given_table.hpp"
 #include "core/rig/transducer.hpp"
+#include "tests/core/faulty_motion.hpp"
 #include "tests/core/motion_case.hpp"
 #include "tests/under_sanitizer.hpp"
 
@@ -102,6 +103,35 @@ TEST(MotionEstimate, CoversAScaleAndAMassThatAreOffAsStated) {
   }
   EXPECT_TRUE(scale);
   EXPECT_TRUE(mass);
+}
+
+// The search from low intensities takes what the table does beside its drive for noise. It refused every fourth such
+// rig; of 300, it showed one a coefficient 74 u off.
+TEST(MotionEstimate, ShowsNoWrongNumberOfATableOfManyTonesThatIsReadAFewTimesAPeriod) {
+  std::mt19937_64 rng(7);
+  std::uniform_real_distribution<double> uniform;
+  int given = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Chain chain = random_chain(rng, 1, draw % 2 == 0 ? Boundary::free : Boundary::clamped, 4.0);
+    const Rig rig = rig_of(chain, 4.0);
+    std::vector<FaultyMotion::Tone> tones;
+    for (int i = 0; i < 8; ++i) tones.push_back({1.2 * std::pow(6.0, uniform(rng)), 0.15 + 0.5 * uniform(rng)});
+    const double noise = 0.012 * 0.005;
+    const MotionEstimate found =
+        estimate_motion(rig, readings_of(rig, FaultyMotion(chain, {}, 0.005, tones), 5.0, 20.0 + 12.0 * uniform(rng),
+                                         {noise, noise, noise * chain.stiffness.back()}, rng()));
+    EXPECT_TRUE(found.missing.empty()) << draw << ": " << found.reason;
+    if (found.reason == "the table does not move") continue;  // so few readings hardly tell it from noise
+    EXPECT_EQ(found.reason, "") << draw;
+    ++given;
+    for (std::size_t e = 0; e < found.elements.size(); ++e) {
+      const ElementEstimate& element = found.elements[e];
+      if (!element.identifiable) continue;
+      EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[e]), 5 * element.stiffness.u) << draw << " c " << e;
+      EXPECT_LT(std::abs(element.damping.value - chain.damping[e]), 5 * element.damping.u) << draw << " r " << e;
+    }
+  }
+  EXPECT_GT(given, kDraws / 2);
 }
 
 TEST(MotionEstimate, RefusesAnElementThatIsFarFromLinear) {
