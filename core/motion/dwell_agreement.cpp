@@ -12,7 +12,7 @@ namespace {
 // Neither estimate is as efficient as theory has it: of the larger variance this part stands at least.
 constexpr double kLeastPart = 0.1;
 // How often noise alone may make one of all coefficients contradict.
-constexpr double kByChance = 0.05;
+constexpr double kContradictedByChance = 0.05;
 // U95 beyond which a number is wrong, not inexact: five standard uncertainties. Smaller: of 53 healthy recordings, with
 // drop-outs, unfitted harmonics and drives that drift, three differ by 1.1 … 1.6. Larger: wrong numbers go unsaid.
 constexpr double kWrong = 2.5;
@@ -126,7 +126,7 @@ std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell&
   if (all.empty()) return std::nullopt;
   for (Agreement& one : all) {
     const double by_chance = static_cast<double>(all.size()) * std::erfc(std::sqrt(2.0) * one.e_n);
-    one.contradicts = one.over_U > 1 && by_chance < kByChance;
+    one.contradicts = one.over_U > 1 && by_chance < kContradictedByChance;
   }
   Agreement named = *std::max_element(all.begin(), all.end(), [](const Agreement& a, const Agreement& b) {
     return std::pair(a.contradicts, a.over_U) < std::pair(b.contradicts, b.over_U);

@@ -11,7 +11,7 @@ namespace dwell {
 namespace {
 
 // A term that leaves more than this share unexplained is a part of the story at best.
-constexpr double kMost = 0.5;
+constexpr double kMostUnexplained = 0.5;
 // Fitted over directly seen noise variance of the table that is still accepted: a ratio of 1.5 in standard deviation,
 // since the noise from reading to reading is known to 10 %.
 constexpr double kAsSeen = 2.25;
@@ -19,7 +19,7 @@ constexpr double kAsSeen = 2.25;
 }  // namespace
 
 bool Leftover::explains_most_of(const Leftover& before) const {
-  return power <= kMost * before.power || (least_p >= kContradicted && of_table <= before.power);
+  return power <= kMostUnexplained * before.power || (least_p >= kContradicted && of_table <= before.power);
 }
 
 Leftover leftover(const MotionModel& model, const MotionData& data, const MotionUnknowns& unknowns,

@@ -23,7 +23,7 @@ using Eigen::Index;
 // gain of 11 is needed, a term of 4.7 standard uncertainties. A tenth of this probability needs 13.
 constexpr double kWrongAdvice = 1e-4;
 // Effects correlated more than this are one effect to these readings: named together.
-constexpr double kSame = 0.95;
+constexpr double kSameEffect = 0.95;
 // Two explanations whose gains differ by less are not told apart: odds of 150 to 1.
 constexpr double kTold = 5.0;
 // The score test is linear and misjudges the gain of a large fault. So every candidate above this part of the best gain
@@ -35,10 +35,10 @@ constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
-// Screening ends after kMostWork times the work of the estimate itself. That work counts as at least two hundred passes
-// over kScreened readings: some seconds, enough for two dozen hypotheses of fifty passes each. A hypothesis that was
-// not tried by then is not named. The best of the others, at most kMostNamed, are then fitted to all readings.
-constexpr double kMostWork = 10.0, kLeastTried = 200.0 * kScreened;
+// Screening ends after kMostTries times the work of the estimate itself. That work counts as at least two hundred
+// passes over kScreened readings: some seconds, enough for two dozen hypotheses of fifty passes each. A hypothesis that
+// was not tried by then is not named. The best of the others, at most kMostNamed, are then fitted to all readings.
+constexpr double kMostTries = 10.0, kLeastTried = 200.0 * kScreened;
 
 double work_of(const MotionCourse& course) {
   return static_cast<double>(course.passes) * static_cast<double>(course.data.readings.size());
@@ -81,7 +81,8 @@ class TermSearch {
     Refit best_fit;
     for (const Index a : likely) {
       if (fitted.size() == kMostFitted) break;
-      if (std::any_of(fitted.begin(), fitted.end(), [&](Index b) { return test_.correlation(a, b) > kSame; })) continue;
+      if (std::any_of(fitted.begin(), fitted.end(), [&](Index b) { return test_.correlation(a, b) > kSameEffect; }))
+        continue;
       fitted.push_back(a);
       const Refit fit = refit(a);
       if (!fit.converged || !is_possible(rig_, candidate(a), fit.value) || !fit.left.explains_most_of(before)) continue;
@@ -132,7 +133,7 @@ class TermSearch {
   [[nodiscard]] Explanation named(Index best, const Refit& fit, const std::vector<Index>& likely) const {
     Explanation out{{told(best, fit)}, fit.left};
     for (const Index a : likely) {
-      if (a == best || test_.correlation(a, best) <= kSame || out.terms.size() == kMostNamed) continue;
+      if (a == best || test_.correlation(a, best) <= kSameEffect || out.terms.size() == kMostNamed) continue;
       const Refit other = refit(a);
       if (!other.converged || !is_possible(rig_, candidate(a), other.value)) continue;
       out.terms.push_back(told(a, other));
@@ -158,7 +159,7 @@ class AnewSearch {
  public:
   // tried: what the estimate took to be made, in readings times passes.
   AnewSearch(const Rig& rig, const MotionData& data, std::size_t most, double tried)
-      : rig_(rig), data_(data), most_(most), left_(kMostWork * std::max(tried, kLeastTried)) {
+      : rig_(rig), data_(data), most_(most), left_(kMostTries * std::max(tried, kLeastTried)) {
     for (const RigMistake& mistake : rig_mistakes(rig)) all_.push_back({mistake, {}});
     for (const Parameter& term : missing_candidates(rig))
       if (!is_input(term.what)) all_.push_back({{}, term});
@@ -235,7 +236,7 @@ class AnewSearch {
   // Whether it may be named beside the best. A term whose effect is correlated by ρ with the true one has ρ² of its
   // gain.
   [[nodiscard]] static bool as_good(const Hypothesis& one, double gain, double best) {
-    return gain >= best - kTold || (one.term && gain >= kSame * kSame * best);
+    return gain >= best - kTold || (one.term && gain >= kSameEffect * kSameEffect * best);
   }
   [[nodiscard]] bool explains(const ChainFit& before, const ChainFit& after, double gained) const {
     const bool nearly = after.left.least_p >= kContradicted || after.left.power <= kNearly * before.left.power;

@@ -21,9 +21,9 @@ using Eigen::VectorXd;
 // Readings for each unknown, below which nothing is tried: as many are then left over as the unknowns take, and the
 // noise is known to 1/√(2 · unknowns), 15 % of a table and two masses. Halved, nothing is left over.
 constexpr std::size_t kPerUnknown = 2;
-constexpr std::size_t kFirst = 400;      // readings of the first fit, at least …
-constexpr double kFirstPeriods = 3.0;    // … and periods of the nominal drive
-constexpr std::size_t kGrowth = 4;       // from fit to fit: the passes over shorter stretches cost a third in all
+constexpr std::size_t kFirstReadings = 400;  // readings of the first fit, at least …
+constexpr double kFirstPeriods = 3.0;        // … and periods of the nominal drive
+constexpr std::size_t kStretchGrowth = 4;    // from fit to fit: the passes over shorter stretches cost a third in all
 constexpr double kEvent = 7.0;           // √S: an innovation of the table beyond is an event, one in 10¹² otherwise
 constexpr std::size_t kMostEvents = 40;  // more of them are no events
 constexpr double kFar = 9.0;             // √S: a reading beyond, once all else fits, is none of the model's …
@@ -50,13 +50,13 @@ class Course {
   MotionCourse run() {
     if (!prepare()) return std::move(out_);
     std::size_t count = first_count();
-    start(kGrowth * kGrowth * count);
+    start(kStretchGrowth * kStretchGrowth * count);
     bool last = false;
     for (bool first = true; !last; first = false) {
       last = count >= out_.data.readings.size();
       if (!fit(std::min(count, out_.data.readings.size()), first, last)) return std::move(out_);
       if (last && (mark_events() || leave_out_far())) last = false;
-      count *= kGrowth;
+      count *= kStretchGrowth;
     }
     add_stated();
     return std::move(out_);
@@ -138,7 +138,7 @@ class Course {
                            kFirstPeriods / rig_.excitation.frequency_hz;
     const auto it = std::find_if(out_.data.readings.begin(), out_.data.readings.end(),
                                  [&](const MotionReading& r) { return to_s(r.t_ns) > until_s; });
-    return std::max(kFirst, static_cast<std::size_t>(it - out_.data.readings.begin()));
+    return std::max(kFirstReadings, static_cast<std::size_t>(it - out_.data.readings.begin()));
   }
 
   // From the weak form on the first `count` readings: it is linear and has one solution, so that it may see more than

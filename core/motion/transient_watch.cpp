@@ -13,12 +13,12 @@ namespace {
 
 // Periods of the nominal drive before the hold that belong to its stretch: the onset may lie in the hold's first
 // window, and the estimate needs a period before the onset.
-constexpr double kBefore = 1.5;
+constexpr double kBeforeHold = 1.5;
 // … and after its beginning, before the first estimate: with fewer most rigs' coefficients are not determined.
-constexpr double kFirst = 2.0;
+constexpr double kFirstAfter = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
-constexpr double kGrowth = 1.5;
+constexpr double kEstimateGrowth = 1.5;
 // … once the readings contradict the chain. An estimate then looks for what is missing, and costs ten times as much.
 constexpr double kGrowthContradicted = 4.0;
 // Of the readings that an estimate may take, this part is enough for the last one: 14 000 of a table and two masses,
@@ -27,7 +27,7 @@ constexpr double kGrowthContradicted = 4.0;
 constexpr double kPartOfLast = 0.2;
 // If a hold of so many periods ends while the dwell settles, the drive has changed, and another stretch begins. A ramp
 // leaves a hold every period. Longer: an operator's change of the drive goes unnoticed. Shorter: a slow ramp is torn.
-constexpr double kSteady = 8.0;
+constexpr double kSteadyHold = 8.0;
 
 std::size_t most_readings(const Rig& rig) {
   return std::max<std::size_t>(1, MotionOptions{}.most_work / static_cast<std::size_t>(MotionModel(rig, {}).states()));
@@ -64,7 +64,7 @@ bool TransientWatch::settled() const noexcept { return std::isfinite(stretch_.se
 void TransientWatch::follow(const Dwell& now, std::vector<ChannelFault> at_fault) {
   const bool on = now.index && (now.state == State::settling || now.state == State::measuring);
   if (!on || !std::isfinite(now.start_s)) return wait();
-  const bool other_drive = now.start_s - stretch_.hold_s >= kSteady * period_s_;
+  const bool other_drive = now.start_s - stretch_.hold_s >= kSteadyHold * period_s_;
   if (now.index != stretch_.dwell || other_drive) begin(now);
   stretch_.hold_s = now.start_s;
   stretch_.settled_s = now.settled_s;
@@ -86,7 +86,7 @@ void TransientWatch::begin(const Dwell& now) {
     newest_.reset();
   }
   stretch_ = {.dwell = now.index, .number = stretch_.number + 1, .start_s = now.start_s};
-  record_.begin(to_ns(now.start_s - kBefore * period_s_));
+  record_.begin(to_ns(now.start_s - kBeforeHold * period_s_));
   phase_ = Phase::gathering;
 }
 
@@ -110,8 +110,8 @@ bool TransientWatch::due() const noexcept {
   if (last_job_) return true;
   if (phase_ != Phase::gathering || settled()) return false;
   const std::size_t size = record_.size(), handed = stretch_.handed;
-  if (handed == 0) return size > 0 && (record_.full() || now_s_ - stretch_.start_s >= kFirst * period_s_);
-  const double growth = newest_ && newest_->estimate.contradicted ? kGrowthContradicted : kGrowth;
+  if (handed == 0) return size > 0 && (record_.full() || now_s_ - stretch_.start_s >= kFirstAfter * period_s_);
+  const double growth = newest_ && newest_->estimate.contradicted ? kGrowthContradicted : kEstimateGrowth;
   return static_cast<double>(size) >= growth * static_cast<double>(handed) || (record_.full() && size > handed);
 }
 

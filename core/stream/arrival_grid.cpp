@@ -7,7 +7,7 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kFewest = 32;
+constexpr std::size_t kFewestArrivals = 32;
 constexpr double kUntold = 8.0;       // periods at the end in which a late reading cannot be told from a loss
 constexpr double kLateClip = 3.0;     // periods: limits the weight of a stall in the choice of the period
 constexpr double kResolution = 0.05;  // periods: smaller deviations earn no better cost
@@ -112,7 +112,7 @@ GridLine fit(std::span<const double> x_ns, const Numbers& index, const GridLine&
 
 std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, double nominal_ns) noexcept {
   const std::size_t n = arrivals_ns.size();
-  if (n < kFewest || n > kLongestStretch) return std::nullopt;
+  if (n < kFewestArrivals || n > kLongestStretch) return std::nullopt;
   Numbers x{};
   for (std::size_t j = 0; j < n; ++j) x[j] = static_cast<double>(arrivals_ns[j] - arrivals_ns[0]);
   const std::span<const double> x_ns(x.data(), n);

@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kMains = 8, kLines = 400;  // lines searched: of hum at 50 and 60 Hz; of the grid, at most
 // Searched: so many periods from the begin of the fit, up to this multiple of the drive's ω.
 constexpr double kSearchPeriods = 10.0;
-constexpr double kSureOfLine = 9.0;  // noise alone exceeds it by exp(-9): once in 8000 searches
-constexpr double kFewest = 16.0;     // readings of a channel, at least
+constexpr double kSureOfLine = 9.0;       // noise alone exceeds it by exp(-9): once in 8000 searches
+constexpr double kFewestReadings = 16.0;  // readings of a channel, at least
 // The power of a mains line counts this many times that of a line of the grid.
 constexpr double kMainsFirst = 1.2;
 constexpr double kBeside = 2.0;  // half cycles over the search: a line nearer to a harmonic is taken for it
@@ -121,7 +121,7 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
       count += 1.0;
     }
     for (LineSums& each : sums) each.complete();
-    if (count < kFewest || !(squares > 0)) continue;
+    if (count < kFewestReadings || !(squares > 0)) continue;
     // For white noise, P exceeds x with probability exp(-x).
     const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
     for (std::size_t k = 0; k < (now.channel(c).imposed ? kMains : kMains + lines); ++k) {

@@ -12,7 +12,8 @@ namespace {
 // Parts of the hold that are skipped at its beginning: modes that have decayed by then need not be fitted. Each fit
 // that does not explain the data skips kSkippedMore further, up to kSkippedMost.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr int kRefinements = 2;  // refinement steps for poles believed so far and at each begin after a knock, at most
+constexpr int kHoldRefinements =
+    2;  // refinement steps for poles believed so far and at each begin after a knock, at most
 constexpr double kPenalty = 50.0;  // added to the misfit for each pole beside the chain's
 
 bool any_near(std::span<const Complex> poles, Complex pole) {
@@ -54,8 +55,8 @@ bool HoldRefit::make(const SeenFrequency& seen, const HoldNow& now) {
     const bool first = source == Source::believed;
     if (!first && !fit.may_fit()) break;
     if (!set_up(source, fitted, w, now)) continue;
-    const double misfit =
-        search.refine(search.fit_best(first ? first_w : w, now), first ? kRefinements : PoleSearch::kManySteps, now);
+    const double misfit = search.refine(search.fit_best(first ? first_w : w, now),
+                                        first ? kHoldRefinements : PoleSearch::kManySteps, now);
     if (keep_if_better(misfit) && explained(now)) break;
     // No poles explain the motion on both sides of a knock.
     if (first && (knocks.any() || skipped_ >= kSkippedMost) && !explained(now) && explain_since_knock(w, now)) {
@@ -156,7 +157,7 @@ bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldN
     knocks.set_free_since(fit.from_ns());
     search.still_there(known_, fit.from_ns(), now, search.best());
     const double w = omega + fit.rate() * to_s(fit.from_ns() - was_from_ns);
-    search.refine(search.fit_best(w, now), kRefinements, now);
+    search.refine(search.fit_best(w, now), kHoldRefinements, now);
     if (fit.determined() && explained(now)) return true;
     knocks.set_free_since(free_before_ns);
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kGone = 1e-6;        // part of its amplitude below which a mode has decayed where the fit begins
 constexpr double kLeastDecay = 1e-3;  // least decay rate of a chain's pole, as part of |λ|
-constexpr double kSame = 0.3;         // poles that turn apart by less over the fit are one, rad
+constexpr double kSameTurn = 0.3;     // poles that turn apart by less over the fit are one, rad
 
 }  // namespace
 
@@ -34,7 +34,8 @@ void PoleSearch::still_there(std::span<const Complex> chain, std::int64_t free_s
     pole.real(std::min(pole.real(), -kLeastDecay * std::abs(pole)));
     if (std::exp(pole.real() * skipped_s) < kGone) continue;
     // Poles that the data cannot tell apart count once.
-    if (std::none_of(out.begin(), out.end(), [&](Complex other) { return std::abs(pole - other) * seen_s < kSame; }))
+    if (std::none_of(out.begin(), out.end(),
+                     [&](Complex other) { return std::abs(pole - other) * seen_s < kSameTurn; }))
       out.push_back(pole);
   }
 }

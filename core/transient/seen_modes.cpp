@@ -15,7 +15,7 @@ using Eigen::Index;
 // Largest standard deviation of a pole, relative to the larger of 1/T and its decay rate. Above it the error is no
 // longer normal. Doubled, poles of weak modes take part whose errors exceed their uncertainty; halved, faults go unseen
 // that the data do resolve.
-constexpr double kResolved = 0.2;
+constexpr double kResolvedPole = 0.2;
 // Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by the square of
 // the step. Otherwise the fit is not at its optimum: the variance grows by the square of kUnsettled steps.
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
@@ -112,7 +112,7 @@ void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const do
     const auto at = 2 * static_cast<Index>(m);
     const double size = std::abs(fit.poles()[m]);
     u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * extra[m]);
-    if (!(u[m] < kResolved * scale)) u[m] = INFINITY;
+    if (!(u[m] < kResolvedPole * scale)) u[m] = INFINITY;
   }
   for (std::size_t m = 0; m < refined.size(); ++m) {
     const Complex pole = refined[m];

@@ -14,7 +14,7 @@ namespace {
 // 11 of 2000 come too early at 0.85 and at 0.82, 8 at 0.80.
 constexpr double kSafety = 0.85, kSafetyRounded = 0.80;
 constexpr double kMostTakenOut = 8.0;  // times what is allowed, where data begin to count
-constexpr double kLeast = 1e-300;      // keeps the divisor above 0 for a channel at rest
+constexpr double kAboveZero = 1e-300;  // keeps the divisor above 0 for a channel at rest
 
 }  // namespace
 
@@ -23,7 +23,7 @@ double TransientLeft::allowed(int channel, const HoldNow& now) const noexcept {
   const double span_s = std::max(1e-9, to_s(now.now_ns - fit.t0_ns()));
   const double in_ten = std::max(1.0, fit.samples(channel) / span_s * 10 * now.period_s());
   const double floor = noise_.smallest_variance(channel, fit);
-  return std::max({tolerance_ * std::abs(fit.phasor(channel, 1)), 3 * std::sqrt(floor * 2 / in_ten), kLeast});
+  return std::max({tolerance_ * std::abs(fit.phasor(channel, 1)), 3 * std::sqrt(floor * 2 / in_ten), kAboveZero});
 }
 
 bool TransientLeft::hidden_by_rounding(int channel, const HoldNow& now) const noexcept {

@@ -16,13 +16,13 @@ namespace {
 // that are left out at random, in each channel by itself; twice what a channel needs is always kept. Half of the room
 // is for samples before the begin of the latest fit.
 constexpr int kMostPasses = 60;
-constexpr double kMostWork = 4e8;
+constexpr double kMostMultiplications = 4e8;
 
 // Each begin lies at this part of the time from the hold's beginning to the begin before. Not derived; no other value
 // was tried.
 constexpr double kEarlier = 0.6;
 // Periods: from the hold's beginning to the earliest begin; the first stretch of residuals that is compared.
-constexpr double kFirst = 0.25;
+constexpr double kFirstStretch = 0.25;
 constexpr double kTrust = 0.1;  // damping of one step: width of a relative change of a pole
 // A further pole is searched in so many periods of the beginning, up to this multiple of the drive's ω. The lines are a
 // quarter of a cycle over that stretch apart. At most so many lines and samples are used.
@@ -68,7 +68,7 @@ void WholeHold::begin(const Given& given) noexcept {
 }
 
 bool WholeHold::earlier(const Given& given) noexcept {
-  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirst * given.period_s);
+  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirstStretch * given.period_s);
   if (from_ns_ <= first_ns) return false;
   from_ns_ = std::max(first_ns, given.begin_ns + whole_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
   omega_ += given.latest.rate() * to_s(from_ns_ - omega_at_ns_);
@@ -111,7 +111,7 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
                       end = given.history.first_at(given.until_ns);
   const double products = 0.5 * std::pow(fit_.parameters() + 2.0 * static_cast<double>(poles.size()) + 2, 2);
   const double room = std::max(2 * kPerParameter * fit_.parameters(),
-                               kMostWork / (kMostPasses * products * static_cast<double>(channels_.size())));
+                               kMostMultiplications / (kMostPasses * products * static_cast<double>(channels_.size())));
   for (PerChannel& channel : channels_)
     channel.low = INFINITY, channel.high = -INFINITY, channel.early_part = channel.late_part = 0.0;
   for (std::uint64_t i = first; i < end; ++i) {
@@ -196,7 +196,7 @@ bool WholeHold::explains(const Given& given) noexcept {
   const std::int64_t until_ns = given.latest.t0_ns();
   for (PerChannel& channel : channels_) channel.squares = channel.count = 0.0;
   std::uint64_t i = given.history.first_at(from_ns_);
-  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirst * given.period_s));; length_ns *= 2) {
+  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];

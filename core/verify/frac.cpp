@@ -47,7 +47,7 @@ Complex table_of(const Rig& rig, const Dwell& dwell, double omega) {
   return {kNaN, kNaN};
 }
 
-struct Sums {
+struct FracSums {
   Complex both;
   double predicted = 0.0, measured = 0.0;
   std::vector<const Dwell*> dwells;
@@ -66,7 +66,7 @@ bool same_frequency(const Dwell& a, const Dwell& b) noexcept {
 }
 
 std::vector<double> frac(const Rig& rig, const Chain& chain, const std::vector<const Dwell*>& dwells) {
-  std::vector<Sums> sums(rig.channels.size());
+  std::vector<FracSums> sums(rig.channels.size());
   for (const Dwell* dwell : dwells) {
     const double omega = kTwoPi * dwell->frequency_hz.value;
     const Complex table = table_of(rig, *dwell, omega);
@@ -81,7 +81,7 @@ std::vector<double> frac(const Rig& rig, const Chain& chain, const std::vector<c
     }
   }
   std::vector<double> out;
-  for (const Sums& of : sums)
+  for (const FracSums& of : sums)
     out.push_back(several_frequencies(of.dwells) ? std::norm(of.both) / (of.predicted * of.measured) : kNaN);
   return out;
 }

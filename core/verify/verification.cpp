@@ -40,7 +40,7 @@ constexpr double kMakeSure = 0.1;
 constexpr int kAgain = 2;
 // Periods of another dwell's steady motion that are compared. So many show a wrong amplitude beside noise. A transient
 // often has as many, so they do not outweigh it.
-constexpr double kSteady = 10.0;
+constexpr double kSteadyOfOther = 10.0;
 
 // The chain of a dwell; empty masses and elements: it gives none, `why` says it.
 Chain chain_of(const Rig& rig, const Dwell& dwell, std::string& why) {
@@ -292,7 +292,8 @@ std::string gather(const Rig& rig, const Dwell& dwell, const Chain& chain, const
   add(transient_before(rig, dwell, chain, before), dwell, "transient");
   for (const OtherDwell& other : others) {
     const double f_hz = other.dwell.frequency_hz.value;
-    add(motion_of(rig, other.dwell, chain, other.readings, same_frequency(other.dwell, dwell) ? 0.0 : kSteady / f_hz),
+    add(motion_of(rig, other.dwell, chain, other.readings,
+                  same_frequency(other.dwell, dwell) ? 0.0 : kSteadyOfOther / f_hz),
         other.dwell, "dwell " + std::to_string(other.dwell.index.value_or(0)) + " at " + brief(f_hz, 4) + " Hz");
   }
   return evidence.empty() ? why : "";

@@ -18,7 +18,7 @@ constexpr double kInitialPart = 1.0 / 3;
 constexpr std::size_t kFewestScored = 16;
 // Readings of the table beyond the last that is compared: what the end of a spline gets wrong decays to 0.27 of itself
 // from knot to knot.
-constexpr std::size_t kBeyond = 12;
+constexpr std::size_t kBeyondLast = 12;
 // Periods before the end of another dwell that are kept for those readings.
 constexpr double kSpare = 2.0;
 // Longest step between two readings of the table, in medians, that a spline may bridge.
@@ -110,7 +110,7 @@ VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chai
   }
   const Instants& of_table = before[static_cast<std::size_t>(out.table)].t_ns;
   out.until_ns = to_ns(until_s);
-  if (of_table.size() < 2 * kBeyond || of_table.front() >= out.until_ns) {
+  if (of_table.size() < 2 * kBeyondLast || of_table.front() >= out.until_ns) {
     out.fault = "no readings from before data count, at " + brief(dwell.settled_s, 4) + " s, are there";
     return out;
   }
@@ -131,9 +131,9 @@ VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chai
     out.sigma[i] = std::max(phasor.sigma, kLeastSigma * std::abs(phasor.Y));
     const bool is_table = c == out.table;
     if (!is_table && shows_drive(rig.channels[i])) continue;  // a second transducer of the table: no prediction
-    ChannelReadings cut_out = is_table
-                                  ? cut(before[i], from_ns, out.until_ns + lag_ns(rig, out.table), kBeyond, phasor.mean)
-                                  : cut(before[i], from_ns, out.until_ns, 0, phasor.mean);
+    ChannelReadings cut_out =
+        is_table ? cut(before[i], from_ns, out.until_ns + lag_ns(rig, out.table), kBeyondLast, phasor.mean)
+                 : cut(before[i], from_ns, out.until_ns, 0, phasor.mean);
     if (!is_table) {
       const auto scored = std::count_if(cut_out.t_ns.begin(), cut_out.t_ns.end(),
                                         [&](std::int64_t t_ns) { return t_ns >= out.score_from_ns; });

@@ -11,12 +11,12 @@ namespace dwell {
 namespace {
 
 // Readings of all channels together: at most 60 000 for verify_model(), and room for those before a hold.
-constexpr std::size_t kMost = 64'000;
+constexpr std::size_t kMostKept = 64'000;
 // Periods of the nominal drive before the hold that belong to the evidence: it begins a period of the slowest natural
 // oscillation before, which may be as slow as this.
-constexpr double kBefore = 10.0;
+constexpr double kBeforeDwell = 10.0;
 // From one verification to the next the dwell's data grow by this factor: an hour of dwell is verified a dozen times.
-constexpr double kGrowth = 2.0;
+constexpr double kVerifyGrowth = 2.0;
 
 }  // namespace
 
@@ -33,7 +33,8 @@ void VerificationJob::run(const Rig& rig, double accuracy) {
   tell_causes(*causes, result.verification);
 }
 
-VerificationWatch::VerificationWatch(const Rig& rig) : period_s_(1.0 / rig.excitation.frequency_hz), record_(kMost) {}
+VerificationWatch::VerificationWatch(const Rig& rig)
+    : period_s_(1.0 / rig.excitation.frequency_hz), record_(kMostKept) {}
 
 void VerificationWatch::take(const SampleHistory& history, std::int64_t origin_ns) noexcept {
   for (next_ = std::max(next_, history.begin()); next_ < history.end(); ++next_) {
@@ -67,7 +68,7 @@ void VerificationWatch::follow(const Dwell& now, std::uint64_t position) {
   if (now.index != now_.dwell || now.start_s != now_.start_s) {
     if (now_.dwell && now.index != now_.dwell) before_ = now_;
     now_ = {now.index, now.start_s, nullptr, 0, 0.0};
-    record_.begin(to_ns(now.start_s - kBefore * period_s_));
+    record_.begin(to_ns(now.start_s - kBeforeDwell * period_s_));
   }
   if (!std::isfinite(now.settled_s)) {
     // Never settled, or the verdict was taken back: the evidence goes on.
@@ -81,7 +82,7 @@ void VerificationWatch::follow(const Dwell& now, std::uint64_t position) {
     record_.roll();
   }
   const double length_s = now.end_s - now.settled_s;
-  if (now.elements.empty() || waiting_ || !(length_s >= kGrowth * now_.verified_s)) return;
+  if (now.elements.empty() || waiting_ || !(length_s >= kVerifyGrowth * now_.verified_s)) return;
   now_.verified_s = length_s;
   waiting_ = job_of(now_, now, position, false);
 }

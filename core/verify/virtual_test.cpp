@@ -35,9 +35,9 @@ struct Asked {
 };
 
 // The test in motion: all players at one instant.
-class Course {
+class VirtualCourse {
  public:
-  Course(const VirtualTestModel& model, const VirtualTestInput& input, const Eigen::MatrixXd& initial)
+  VirtualCourse(const VirtualTestModel& model, const VirtualTestInput& input, const Eigen::MatrixXd& initial)
       : model_(model), input_(input), steps_(model), now_ns_(input.knot_ns(0)) {
     z_ = Eigen::MatrixXd::Zero(model.states() + VirtualTestModel::kInput, initial.cols());
     z_.topRows(model.states()) = initial;
@@ -90,7 +90,7 @@ std::vector<PredictedReadings> VirtualTest::play(const VirtualTestInput& input, 
     while (channel.next_ns() < input.knot_ns(0)) ++channel.next;
     asked.push_back(std::move(channel));
   }
-  Course course(model_, input, initial);
+  VirtualCourse course(model_, input, initial);
   const std::int64_t end_ns = input.knot_ns(input.knots() - 1);
   for (;;) {
     std::int64_t next_ns = std::numeric_limits<std::int64_t>::max();

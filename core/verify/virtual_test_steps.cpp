@@ -8,17 +8,17 @@
 namespace dwell {
 namespace {
 
-constexpr double kLongest = 0.5;  // of fastest · dt in one series …
-constexpr int kTerms = 15;        // … so that 0.5^16 / 16! < 1e-18 is left off
+constexpr double kLongestSeries = 0.5;  // of fastest · dt in one series …
+constexpr int kSeriesTerms = 15;        // … so that 0.5^16 / 16! < 1e-18 is left off
 
 }  // namespace
 
 void VirtualTestSteps::series(double dt_s, Eigen::MatrixXd& z) {
-  const double steps = std::max(1.0, std::ceil(model_.fastest() * dt_s / kLongest));
+  const double steps = std::max(1.0, std::ceil(model_.fastest() * dt_s / kLongestSeries));
   const double h_s = dt_s / steps;
   for (double step = 0; step < steps; ++step) {
     term_ = z;
-    for (int i = 1; i <= kTerms; ++i) {
+    for (int i = 1; i <= kSeriesTerms; ++i) {
       product_.noalias() = model_.matrix().lazyProduct(term_);
       term_ = product_ * (h_s / i);
       z += term_;
