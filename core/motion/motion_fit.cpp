@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/motion/stride.hpp"
 #include "core/motion/told_inverse.hpp"
 
 namespace dwell {
@@ -17,8 +18,6 @@ using Eigen::VectorXd;
 constexpr double kHardlyTold = 1e-8;
 // A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
 constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;
-constexpr double kLeastDamping = 1e-9, kMostDamping = 1e6;  // of Levenberg
-constexpr double kSlower = 0.5;      // damping after a step that went too far: a step of half the length
 constexpr double kGoodEnough = 0.1;  // FitLimits::gain with which passes may run out: 0.3 standard deviations
 
 class Search {
@@ -30,22 +29,17 @@ class Search {
     MotionFit best = evaluated(std::move(start));
     if (!std::isfinite(best.V)) return best;
     solve_linear(best);
-    double damping = kLeastDamping;
-    while (true) {
+    for (Stride stride;;) {
       hold_at_bounds(best);
       const VectorXd g = score(best);
       const ToldInverse inverse(information(best), used_);
       best.left = g.dot(inverse.times(g, kHardlyTold));
       // Asked only here, where `left` is that of `best`: a step that was just taken may have far to go.
-      if (best.left < limits_.gain || best.passes >= limits_.passes || damping >= kMostDamping) break;
-      const VectorXd step = -inverse.times(g, damping);
-      MotionFit next = evaluated(moved(best.at, step));
+      if (best.left < limits_.gain || best.passes >= limits_.passes || stride.spent()) break;
+      const VectorXd step = -inverse.times(g, stride.damping());
+      MotionFit next = evaluated(moved(best.at, stride.stretch() * step));
       next.passes = ++best.passes;
-      // Scoring overshoots where an intensity rests on few events: their scatter is not what the information expects.
-      const double ratio = 2 * (best.V - next.V) / -g.dot(step);
-      damping = ratio > 0.6   ? std::max(kLeastDamping, 0.1 * damping)
-                : ratio > 0.3 ? damping
-                              : std::max(kSlower, 4.0 * damping);
+      stride.learn(2 * (best.V - next.V) / -g.dot(step));
       if (next.V < best.V) best = std::move(next);
     }
     best.converged = best.left < std::max(limits_.gain, kGoodEnough);
