@@ -29,15 +29,16 @@ constexpr double kTold = 5.0;
 // The score test is linear and misjudges the gain of a large fault. So every candidate above this part of the best gain
 // is fitted, at most kMostFitted with different effects.
 constexpr double kWorthFitting = 0.2;
-// A fit that has gone astray leaves so much that any other leaves less. A fit from the start explains the readings only
-// if its chain would not be refused, or if its residuals are a tenth as large.
+// Beside a fit that has failed any other looks good. So a fit from the start explains the readings only if its chain
+// would not be refused, or if its residuals are a tenth as large.
 constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
 // Screening ends after kMostTries times the work of the estimate itself. That work counts as at least two hundred
-// passes over kScreened readings: some seconds, enough for two dozen hypotheses of fifty passes each. A hypothesis that
-// was not tried by then is not named. The best of the others, at most kMostNamed, are then fitted to all readings.
+// passes over kScreened readings: some seconds, enough for forty hypotheses of fifty passes each. A hypothesis that was
+// not tried by then is not named. Those close to the best are then fitted to all readings, and at most kMostNamed
+// named.
 constexpr double kMostTries = 10.0, kLeastTried = 200.0 * kScreened;
 
 double work_of(const MotionCourse& course) {
@@ -169,9 +170,13 @@ class AnewSearch {
     const std::size_t few = std::min(most_, kScreened);
     const ChainFit now = chain_fit(rig_, run_course(rig_, data_, few));
     std::vector<std::pair<double, const Hypothesis*>> likely;
-    for (const Hypothesis& one : all_)
-      if (const Tried tried = left_ > 0.0 ? fitted(one, few) : Tried{}; tried.fit.possible)
-        likely.emplace_back(gain(now, tried.fit), &one);
+    for (const Hypothesis& one : all_) {
+      if (!(left_ > 0.0)) {
+        ++untried_;
+        continue;
+      }
+      if (const Tried tried = fitted(one, few); tried.fit.possible) likely.emplace_back(gain(now, tried.fit), &one);
+    }
     std::stable_sort(likely.begin(), likely.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     Explanation out;
     for (const auto& [screened, one] : likely) {
@@ -191,6 +196,8 @@ class AnewSearch {
     }
     return out;
   }
+
+  [[nodiscard]] std::size_t untried() const noexcept { return untried_; }
 
  private:
   struct Tried {
@@ -252,7 +259,7 @@ class AnewSearch {
       if (p.what == one.term->what && p.index == one.term->index) variance += p.prior_u * p.prior_u;
     return 0.5 * tried.value * tried.value / variance > gain_by_chance(all_.size());
   }
-  // Without a first fit there is no V to compare with: the gain is then the number of readings.
+  // Without a first fit there is no V to compare with: the number of readings then puts them in order, no more.
   [[nodiscard]] static double gain(const ChainFit& before, const ChainFit& after) {
     if (before.readings == 0.0) return after.readings;
     return std::min(before.readings, after.readings) * (before.per_reading - after.per_reading);
@@ -263,6 +270,7 @@ class AnewSearch {
   const MotionData& data_;
   std::size_t most_;
   double left_;  // readings times passes that may still be spent
+  std::size_t untried_ = 0;
   std::vector<Hypothesis> all_;
 };
 
@@ -294,10 +302,14 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
     contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
   }
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {
-    Explanation anew = AnewSearch(rig, data, most, work_of(course)).run(now);
+    AnewSearch search(rig, data, most, work_of(course));
+    Explanation anew = search.run(now);
+    out.untried = search.untried();
     if (!anew.terms.empty() && anew.gain() > best.gain() - kTold) best = std::move(anew);
   }
   out.terms = std::move(best.terms);
+  if (now.readings == 0.0)
+    for (MissingTerm& term : out.terms) term.gain = kNaN;
   for (MissingTerm& term : out.terms)
     for (const MissingTerm& other : out.terms)
       if (&other != &term) term.or_else.push_back(other.what);

@@ -26,6 +26,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Of two periods at least: fewer scatter by more than a quarter of their mean.
+constexpr int kFewestBlocks = 8;
+
 class Report {
  public:
   Report(const Rig& rig, const MotionCourse& course)
@@ -40,8 +43,8 @@ class Report {
     out.end_s = to_s(course_.data.readings.back().t_ns);
     out.passes = course_.passes;
     out.reason = course_.reason;
-    const auto known = static_cast<std::size_t>(course_.fit.at.theta.size());
-    if (!std::isfinite(course_.fit.V) || known == 0 || known != course_.parameters.size()) return out;
+    const auto fitted = static_cast<std::size_t>(course_.fit.at.theta.size());
+    if (!std::isfinite(course_.fit.V) || fitted == 0 || fitted != course_.parameters.size()) return out;
     const MotionModel model(rig_, course_.parameters);
     pass_ = evaluate(model, course_.data, course_.fit.at, {.derivatives = false, .keep_innovations = true});
     given_table_ = innovations_given_table(model, course_.data, course_.fit.at);
@@ -118,8 +121,8 @@ class Report {
                        [](const auto& innovations) { return whiteness_of(innovations).p < kContradicted; });
   }
 
-  // Channels behind the table whose innovations are correlated by more than chance makes them with this probability.
-  // Only those where what is left is more than `least`, a part of the channel's size.
+  // Channels behind the table whose whiteness has a p-value below by_chance. Only those where what is left is more than
+  // `least`, a part of the channel's size.
   [[nodiscard]] std::vector<std::string> not_white(const MotionEstimate& out, double by_chance, double least) const {
     std::vector<std::string> names;
     for (const MotionChannel& channel : out.channels) {
@@ -151,22 +154,32 @@ class Report {
     out.reason = "the chain of the rig file does not explain " + listed(names);
   }
 
-  // Where the innovations are not white the information overstates: the sandwich form, never narrower. Where the table
+  // Where the innovations are not white the information overstates: the sandwich form, never narrower. It takes
+  // kFewestBlocks; with fewer only the warning says it. Where the table
   // moves as its process does not have it, what comes of that through the chain cannot be told from a chain that is
   // wrong. Residuals δ that are nobody's noise move a coefficient by no more than u √(Σ δ²/S) (Cauchy and Schwarz).
   void widen(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kNotWhite, 0.0);
     if (names.empty()) return;
-    out.warnings.push_back("the residuals of " + listed(names) + " are not white: uncertainties are widened");
     noise_grows(1 + noise_may_hide_);
-    if (course_.fit.pass.blocks < 8) return;
+    const bool enough = course_.fit.pass.blocks >= kFewestBlocks;
+    const bool widened = (enough && widen_by_blocks()) || noise_may_hide_ > 0;
+    out.warnings.push_back("the residuals of " + listed(names) + " are not white: " +
+                           (widened  ? "uncertainties are widened"
+                            : enough ? "the scatter from block to block asks for no wider uncertainties"
+                                     : "the readings are too few to say how much wider the uncertainties should be"));
+  }
+  bool widen_by_blocks() {
     const MatrixXd& inverse = course_.fit.covariance;
     const MatrixXd sandwich = inverse * course_.fit.pass.meat * inverse;
+    bool widened = false;
     for (Index i = 0; i < coefficients_; ++i) {
       const double wider = std::max(0.0, sandwich(i, i) - noise_(i, i));
       noise_(i, i) += wider;
       covariance_(i, i) += wider;
+      widened = widened || wider > 0.0;
     }
+    return widened;
   }
 
   // The term that moves the coefficients most, beside their own uncertainty.
@@ -230,7 +243,9 @@ class Report {
       out.reason = "the readings do not determine it";
     } else if (!(u < size / 3)) {
       out.reason = "its uncertainty is " + (size > 0 ? percent(u / size) : "all") + " of its dynamic stiffness";
-    } else if (!(damping.value > damping.U95) || !(stiffness.value > 0)) {
+    } else if (!(stiffness.value > 0)) {
+      out.reason = "its stiffness came out below zero: check the rig file, or wait for more readings";
+    } else if (!(damping.value > damping.U95)) {
       // A mode that hides in the noise is found by one of its peaks, with next to no damping: a maximum beside the true
       // one, whose curvature tells nothing of the distance.
       out.reason = "its damping is not distinguishable from zero, so the estimate may rest on a peak of the noise";
@@ -283,7 +298,7 @@ class Report {
   double strange_ = 0.0;         // Whiteness::squares of the chain's channels that are not white, beyond chance
   double noise_may_hide_ = 0.0;  // the same, where the chain is not to blame
   std::vector<std::vector<MotionInnovation>> given_table_;
-  MatrixXd noise_, covariance_;     // of (c_1, r_1, …): by noise alone, whole
+  MatrixXd noise_, covariance_;     // of (c_1, r_1, …): the part of noise; all of it
   VectorXd moves_;                  // of (c, r) by the term that is missing; empty: none is
   std::string moved_by_;            // its name
   MatrixXd by_stated_, of_stated_;  // ∂(c, r)/∂stated, and that times the covariance of the stated
@@ -295,18 +310,21 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
   const bool refused = !out.reason.empty();
   MissingTerms found = find_missing(rig, data, course, refused, most);
   if (!found.terms.empty()) {
-    const std::string with = told_together(found.terms), gain = "(gain " + brief(found.terms.front().gain, 3) + ")";
+    const double by = found.terms.front().gain;
+    const std::string with = told_together(found.terms),
+                      gain = std::isfinite(by) ? " (gain " + brief(by, 3) + ")" : std::string();
     if (refused)
-      out.reason += "; " + with + " explains it " + gain + " and is not applied: check the rig file";
+      out.reason += "; " + with + " explains it" + gain + " and is not applied: check the rig file";
     else
-      out.warnings.push_back("the readings are better explained with " + with + " " + gain +
+      out.warnings.push_back("the readings are better explained with " + with + gain +
                              ": uncertainties are widened by what it would change");
   } else if (refused && course.reason.empty()) {
     out.reason +=
         ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, springs "
         "beside the chain, " +
-        std::string(found.tried_inputs ? "friction, cubic springs, " : "") +
-        "signs, swapped channels. Check the readings and the rig file";
+        std::string(found.tried_inputs ? "friction, cubic springs, " : "") + "signs, swapped channels. " +
+        (found.untried > 0 ? std::to_string(found.untried) + " of these were not tried, for want of time. " : "") +
+        "Check the readings and the rig file";
   }
   out.missing = std::move(found.terms);
   out.unchecked = std::move(found.unchecked);

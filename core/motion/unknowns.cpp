@@ -26,6 +26,8 @@ SourceKind kind_of(Unknown stated) {
       return SourceKind::mass;
     case Unknown::clock:
       return SourceKind::clock_rate;
+    case Unknown::drive:
+      return SourceKind::frequency;
     default:
       return SourceKind::other;
   }
@@ -132,7 +134,7 @@ BudgetShare source_of(const Rig& rig, const Parameter& stated) {
     source.mass = stated.index + 1;
   else if (stated.what == Unknown::device_delay)
     source.device = rig.devices[i].name;
-  else if (stated.what != Unknown::clock)
+  else if (stated.what != Unknown::clock && stated.what != Unknown::drive)
     source.channel = rig.channels[i].name;
   return source;
 }

@@ -43,7 +43,7 @@ std::string missing_text(const MissingTerm& term) {
     text += ": " + plus_minus(term.value, kNormal95 * term.u, term.unit == "1" ? "" : unit_text(term.unit));
     while (text.back() == ' ') text.pop_back();
   }
-  text += ", gain " + brief(term.gain, 3);
+  if (std::isfinite(term.gain)) text += ", gain " + brief(term.gain, 3);
   if (!term.or_else.empty()) text += "; not told from " + listed(term.or_else);
   return text;
 }

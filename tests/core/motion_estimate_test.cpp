@@ -146,6 +146,50 @@ TEST(MotionEstimate, RefusesAnElementThatIsFarFromLinear) {
   EXPECT_TRUE(found.elements.empty());
 }
 
+// Without masses a reversed load cell alone turns both coefficients, and the readings fit as well as before.
+TEST(MotionEstimate, SaysThatAStiffnessCameOutBelowZero) {
+  const Chain chain{Boundary::clamped, {}, {20000.0}, {300.0}};
+  const Rig rig = rig_of(chain, 4.0);
+  MotionData data = start_up(rig, chain, {4.0, 0.005, 0.0, 0.5}, 3.0, 200.0, 0.002, 5);
+  for (MotionReading& reading : data.readings)
+    if (reading.channel == 1) reading.value = -reading.value;
+  const MotionEstimate found = estimate_motion(rig, data, {.missing = false});
+  ASSERT_EQ(found.reason, "");
+  EXPECT_FALSE(found.elements.front().identifiable);
+  EXPECT_TRUE(found.elements.front().reason.starts_with("its stiffness came out below zero"))
+      << found.elements.front().reason;
+}
+
+TEST(MotionEstimate, CountsTheFrequencyOfTheDriveAsASourceOfNoChannel) {
+  const Chain chain = free_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  const MotionEstimate found = estimate_motion(rig, start_up(rig, chain, {4.0, 0.005, 0.0, 0.3}, 2.0, 200.0, 0.003, 3));
+  ASSERT_EQ(found.reason, "");
+  const std::vector<BudgetShare>& budget = found.elements.front().budget;
+  const auto drive = std::find_if(budget.begin(), budget.end(),
+                                  [](const BudgetShare& share) { return share.source == "frequency of the drive"; });
+  ASSERT_NE(drive, budget.end());
+  EXPECT_EQ(drive->kind, SourceKind::frequency);
+  EXPECT_EQ(drive->channel, "");
+}
+
+// Friction of 0.7 N beside noise of 0.5 N. Sixteen periods are needed to see how the scores of blocks scatter.
+TEST(MotionEstimate, SaysWhereTooFewReadingsTellHowMuchWiderTheUncertaintyShouldBe) {
+  const Chain chain{Boundary::clamped, {}, {20000.0}, {300.0}};
+  const Rig rig = rig_of(chain, 4.0);
+  DrivenChain driven(chain, {4.0, 0.005, 0.0, 0.5}, DrivenChain::Start::rest);
+  for (const std::uint64_t seed : {1, 2}) {
+    MotionData data = readings_of(rig, driven, 0.0, 2.0, 200.0, {1e-5, 0.5}, seed);
+    for (MotionReading& reading : data.readings)
+      if (reading.channel == 1) reading.value += 0.7 * std::tanh(200.0 * driven.at(to_s(reading.t_ns)).velocity[0]);
+    const MotionEstimate found = estimate_motion(rig, data, {.missing = false});
+    ASSERT_EQ(found.warnings.size(), 1u) << found.reason;
+    EXPECT_EQ(found.warnings.front(),
+              "the residuals of reaction are not white: the readings are too few to say how much wider the "
+              "uncertainties should be");
+  }
+}
+
 // What is left over of a wrong model is no noise: no coefficients, however narrow the likelihood would make them.
 TEST(MotionEstimate, GivesNoCoefficientsWhereTheChainIsAnother) {
   const Chain chain = free_chain();

@@ -70,7 +70,8 @@ MotionOutcome play_motion(const Case& about, double periods) {
   outcome.seconds = cpu_s() - before;
   outcome.reason = estimate.reason;
   outcome.refused = estimate.reason.find("the chain of the rig file does not explain") != std::string::npos;
-  outcome.widened = estimate.warnings.empty() ? 0 : 1;
+  for (const std::string& warning : estimate.warnings)
+    if (warning.find("uncertainties are widened") != std::string::npos) outcome.widened = 1;
   for (std::size_t e = 0; e < estimate.elements.size(); ++e) {
     const ElementEstimate& element = estimate.elements[e];
     if (!element.identifiable) {
