@@ -7,7 +7,6 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
-#include "core/base/wording.hpp"
 #include "core/motion/level_crossings.hpp"
 #include "core/motion/weak_form.hpp"
 #include "core/result/dwell.hpp"
@@ -34,9 +33,9 @@ constexpr double kRough = 0.1;  // FitLimits::gain of fits that only start the n
 // Where the search starts. All of them halved or doubled at once, of forty rigs in random motion one, one and none come
 // to no estimate, and the rms error stays within its scatter (docs/figures.md).
 constexpr double kWanders = 1e-3;  // of the random walk of acceleration that alone would make the drive's sine
-// Of the table's amplitude before it begins to move. The search comes down from there in a few steps, but not up. With
-// 1e-3, seven of a hundred ramps have no number; with 1, three.
-constexpr double kAtRest = 1.0;
+// Of the table's first amplitude: what it starts with before it begins to move. The search comes down from there in a
+// few steps, but not up. With 1e-3, seven of a hundred ramps had no number; with 1, three.
+constexpr double kBeforeOnset = 1.0;
 constexpr double kUnseen = 1e-3;      // m, the table's amplitude where no channel shows it
 constexpr double kLeastNoise = 1e-3;  // of a channel's size, where readings hardly scatter from one to the next
 
@@ -96,7 +95,7 @@ class Course {
     measure_sizes();
     intensities_ = 0;
     if (!activity_.amplitudes.empty() && out_.data.readings.front().t_ns < activity_.amplitudes.front().from_ns)
-      add_stretch(out_.data.readings.front().t_ns, kAtRest * activity_.amplitudes.front().amplitude);
+      add_stretch(out_.data.readings.front().t_ns, kBeforeOnset * activity_.amplitudes.front().amplitude);
     for (const auto& stretch : activity_.amplitudes)
       if (stretch.from_ns <= out_.data.readings.back().t_ns) add_stretch(stretch.from_ns, stretch.amplitude);
     if (intensities_ == 0) add_stretch(out_.data.readings.front().t_ns, kUnseen);
@@ -105,7 +104,7 @@ class Course {
     return refuse("too few readings: " + std::to_string(out_.data.readings.size()));
   }
 
-  // That the readings must tell: parameters without a prior, the first state, a bias of each channel.
+  // What the readings must determine: free_parameters(), the first state, a bias of each channel.
   [[nodiscard]] std::size_t unknowns() const {
     return free_parameters(rig_, intensities_).size() + static_cast<std::size_t>(MotionModel(rig_, {}).states()) +
            channels_;
@@ -141,8 +140,8 @@ class Course {
     return std::max(kFirstReadings, static_cast<std::size_t>(it - out_.data.readings.begin()));
   }
 
-  // From the weak form on the first `count` readings: it is linear and has one solution, so that it may see more than
-  // the first fit does, and all the more of it the less it is off by noise.
+  // From the weak form on the first `count` readings. It is linear, so it has one solution and may use more readings
+  // than the first fit; more of them make it less biased by noise.
   void start(std::size_t count) {
     out_.parameters = free_unknowns(intensities_);
     MotionData some{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(std::min(
@@ -277,7 +276,7 @@ class Course {
     return true;
   }
 
-  // One more, of events: where the largest of the others stands, and a hundred times that.
+  // Adds the intensity of events, which starts at a hundred times the largest of the others.
   void add_intensity() {
     const double largest = at_.theta.segment(2 * rig_.element_count(), intensities_).maxCoeff();
     const std::vector<Parameter> parameters = free_unknowns(intensities_ + 1);

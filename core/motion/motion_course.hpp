@@ -16,7 +16,7 @@
 namespace dwell {
 
 struct MotionCourse {
-  std::string reason;  // why there is no fit; empty: there is
+  std::string reason;  // why the fit must not be reported, which may be filled all the same; empty: it may
   MotionFit fit;
   FitLimits limits;                   // of that fit
   std::vector<Parameter> parameters;  // of fit.at.theta
@@ -24,12 +24,12 @@ struct MotionCourse {
   std::vector<double> noise;          // local_noise() of each channel, SI
   std::vector<double> size;           // rms about the mean of each channel, SI
   bool whole = false;                 // fit is of all readings of `data`
-  std::size_t spikes = 0;             // readings left out beforehand
+  std::size_t spikes = 0;             // readings left out: single ones far off, before the fit and after it
   int passes = 0;
 };
 
-// Takes at most `most` readings from the start of the motion on. term: free from the start on, whatever is stated of
-// it; no input (is_input()). Allocates; thread-safe.
+// Takes at most `most` readings from the start of the motion on. term: one more parameter, fitted without a prior even
+// if the rig file states one; must not be an input (is_input()). Allocates; thread-safe.
 [[nodiscard]] MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most,
                                       const std::optional<Parameter>& term = {});
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 
-#include "core/motion/stride.hpp"
+#include "core/motion/step_control.hpp"
 #include "core/motion/told_inverse.hpp"
 
 namespace dwell {
@@ -18,7 +20,9 @@ using Eigen::VectorXd;
 constexpr double kHardlyTold = 1e-8;
 // A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
 constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;
-constexpr double kGoodEnough = 0.1;  // FitLimits::gain with which passes may run out: 0.3 standard deviations
+// A search that stops early, with no passes left or no step that gains, has still converged with less than this left:
+// 0.3 standard deviations.
+constexpr double kGoodEnough = 0.1;
 
 class Search {
  public:
@@ -27,19 +31,22 @@ class Search {
 
   MotionFit run(MotionUnknowns start) {
     MotionFit best = evaluated(std::move(start));
-    if (!std::isfinite(best.V)) return best;
+    if (!std::isfinite(best.V)) {
+      best.left = std::numeric_limits<double>::quiet_NaN();
+      return best;
+    }
     solve_linear(best);
-    for (Stride stride;;) {
+    for (StepControl control;;) {
       hold_at_bounds(best);
       const VectorXd g = score(best);
       const ToldInverse inverse(information(best), used_);
       best.left = g.dot(inverse.times(g, kHardlyTold));
       // Asked only here, where `left` is that of `best`: a step that was just taken may have far to go.
-      if (best.left < limits_.gain || best.passes >= limits_.passes || stride.spent()) break;
-      const VectorXd step = -inverse.times(g, stride.damping());
-      MotionFit next = evaluated(moved(best.at, stride.stretch() * step));
+      if (best.left < limits_.gain || best.passes >= limits_.passes || control.spent()) break;
+      const VectorXd step = -inverse.times(g, control.damping());
+      MotionFit next = evaluated(moved(best.at, control.factor() * step));
       next.passes = ++best.passes;
-      stride.learn(2 * (best.V - next.V) / -g.dot(step));
+      control.learn(2 * (best.V - next.V) / -g.dot(step));
       if (next.V < best.V) best = std::move(next);
     }
     best.converged = best.left < std::max(limits_.gain, kGoodEnough);
@@ -105,7 +112,7 @@ class Search {
     if (p.what != Unknown::stiffness && p.what != Unknown::damping)
       return p.prior_u > 0 ? 5 * p.prior_u : std::numeric_limits<double>::infinity();
     // Stiffness and damping of an element stand side by side (free_parameters()).
-    const double omega = 2 * M_PI * model_.rig().excitation.frequency_hz;
+    const double omega = 2 * std::numbers::pi * model_.rig().excitation.frequency_hz;
     const Index c = p.what == Unknown::stiffness ? a : a - 1;
     const double size = std::hypot(theta(c), omega * theta(c + 1));
     return kCoefficientStep * (p.what == Unknown::stiffness ? size : size / omega);

@@ -14,12 +14,13 @@ namespace {
 // Periods of the nominal drive before the hold that belong to its stretch: the onset may lie in the hold's first
 // window, and the estimate needs a period before the onset.
 constexpr double kBeforeHold = 1.5;
-// … and after its beginning, before the first estimate: with fewer most rigs' coefficients are not determined.
+// Periods after the hold's beginning before the first estimate: with fewer most rigs' coefficients are not determined.
 constexpr double kFirstAfter = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
 constexpr double kEstimateGrowth = 1.5;
-// … once the readings contradict the chain. An estimate then looks for what is missing, and costs ten times as much.
+// The same, once the readings contradict the chain. An estimate then looks for what is missing, and costs ten times as
+// much.
 constexpr double kGrowthContradicted = 4.0;
 // Of the readings that an estimate may take, this part is enough for the last one: 14 000 of a table and two masses,
 // some seconds where they come irregularly, ten times as long where they contradict the chain. With all of them a

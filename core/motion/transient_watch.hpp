@@ -6,8 +6,9 @@
 //   three times the last one. Where the readings contradict the chain: four times as many, since such an estimate also
 //   looks for what is missing, which costs ten times as much.
 // A dwell that has settled and ended gets a last estimate. Its stretch grows to a fifth of the readings that an
-// estimate may take; a transient that is longer gets none, since none of the dwell's own data would be in it. While a
-// dwell is measured, and while the rig is idle, nothing is estimated.
+// estimate may take. If it has more already when the dwell has settled, there is no last estimate, since little or
+// nothing of the dwell's own data would be in it. While a dwell is measured, and while the rig is idle, nothing is
+// estimated.
 //
 //   state      what is so                                 left for
 //   waiting    no dwell is on                             gathering, when a dwell begins
@@ -60,7 +61,7 @@ struct TransientJob {
   std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came
   TransientEstimate result;
   std::vector<ChannelFault> at_fault;  // see MotionOptions
-  std::shared_ptr<const Dwell> ended;  // the dwell has ended so, and this is its last estimate; null: it is on
+  std::shared_ptr<const Dwell> ended;  // the dwell as it ended; set for its last estimate only
 
   // Takes seconds; allocates. The rig must be the watch's.
   void run(const Rig& rig);
@@ -79,15 +80,15 @@ class TransientWatch {
   // The dwell as it stands now, and the channels that it withholds because their readings are at fault. A few times a
   // second. Where a dwell ends, copies its readings: a millisecond at most.
   void follow(const Dwell& now, std::vector<ChannelFault> at_fault = {});
-  // A dwell has ended; follow() may have been told already. Its last estimate replaces one of the dwell before that
-  // still waits.
+  // A dwell has ended; follow() may have been told already. A last estimate of the dwell before that has not begun is
+  // dropped.
   void ended(const Dwell& dwell);
 
   // Whether a job is to be done now; at most one is out at a time.
   [[nodiscard]] bool due() const noexcept;
   // Copies the readings. Only if due(). Allocates; a millisecond at most.
   [[nodiscard]] TransientJob hand_over();
-  // The estimate, to be handed on; null: its stretch is over, and it is not the last one of its dwell.
+  // The estimate, to be handed on; null: its stretch is over, and it is no last estimate, so it is dropped.
   std::shared_ptr<const TransientEstimate> take_back(TransientJob job);
 
   [[nodiscard]] Phase phase() const noexcept { return phase_; }

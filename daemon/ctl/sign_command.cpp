@@ -16,7 +16,6 @@
 #include "daemon/record/signature.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json_value.hpp"
-#include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
 namespace {
@@ -80,7 +79,8 @@ tl::expected<Json, Refusal> enter(const Service& service, const std::string& fil
   return ask_service(service, Json{{"verb", "enter"}, {"file", absolute_path(file)}});
 }
 
-// Without a service the signature stands in the file alone. That is no failure: it may have been made anywhere.
+// The signature stands in the file before the service is asked, which may take up to kAnswerTime. Whatever the service
+// answers is no failure, for the file may lie anywhere: the output says whether the ledger knows the signature.
 int sign_with_own_key(const Service& service, const SignOptions& options) {
   const auto key = record::SigningKey::load(options.key);
   if (!key) return refuse(kUsage, "--key: " + key.error() + "; dwellctl keygen makes one");

@@ -2,15 +2,16 @@
 
 #include <pwd.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <cerrno>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "daemon/clock.hpp"
 #include "daemon/record/audit.hpp"
@@ -37,13 +38,16 @@ struct User {
 User user_of(std::uint32_t uid) {
   passwd entry{};
   passwd* found = nullptr;
-  std::array<char, 4096> room{};
-  if (getpwuid_r(uid, &entry, room.data(), room.size(), &found) != 0 || found == nullptr) return {};
+  std::vector<char> room(4096);
+  // An entry may be longer; one of a megabyte is none.
+  while (getpwuid_r(uid, &entry, room.data(), room.size(), &found) == ERANGE && room.size() < 1'000'000)
+    room.resize(4 * room.size());
+  if (found == nullptr) return {};
   const std::string full = entry.pw_gecos == nullptr ? "" : entry.pw_gecos;
   return {entry.pw_name, full.substr(0, full.find(','))};
 }
 
-// The member's text; nullopt: it is not a text.
+// The member's text, empty where it is missing or null; nullopt: it is no text.
 std::optional<std::string> text_of(const Json& request, const char* name) {
   const auto it = request.find(name);
   if (it == request.end() || it->is_null()) return "";
@@ -54,7 +58,7 @@ std::optional<std::string> text_of(const Json& request, const char* name) {
 }  // namespace
 
 std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid) {
-  // Checks the nesting first, since the parser recurses. No valid request nests.
+  // The parser recurses into each bracket.
   if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64) return std::nullopt;
   const Json request = Json::parse(line, nullptr, false);
   if (!request.is_object()) return std::nullopt;
@@ -65,15 +69,15 @@ std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view l
   sign.uid = uid;
   for (const auto& [name, to] :
        std::initializer_list<std::pair<const char*, std::string*>>{{"file", &sign.file},
-                                                                   {"name", &sign.words.name},
-                                                                   {"meaning", &sign.words.meaning},
-                                                                   {"reason", &sign.words.reason}}) {
+                                                                   {"name", &sign.statement.name},
+                                                                   {"meaning", &sign.statement.meaning},
+                                                                   {"reason", &sign.statement.reason}}) {
     auto text = text_of(request, name);
     if (!text) return fail(std::string(name) + ": expected a text");
     *to = std::move(*text);
   }
   if (sign.file.empty()) return fail("no file: expected the path of a run file");
-  if (sign.words.meaning.empty() && !sign.enter) return fail("no meaning: expected for instance \"reviewed\"");
+  if (sign.statement.meaning.empty() && !sign.enter) return fail("no meaning: expected for instance \"reviewed\"");
   return sign;
 }
 
@@ -109,7 +113,7 @@ Countersigner::~Countersigner() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  came_.notify_one();
+  job_came_.notify_one();
   thread_.join();
   for (const Job& job : jobs_) job.done(fail("the service is stopping"));
 }
@@ -122,25 +126,25 @@ void Countersigner::ask(SignRequest request, Done done) {
       done = nullptr;
     }
   }
-  came_.notify_one();
+  job_came_.notify_one();
   if (done) done(fail("too many files wait to be signed; try again"));
 }
 
 void Countersigner::run() {
   std::unique_lock lock(mutex_);
   while (true) {
-    came_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+    job_came_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
     if (stopping_) return;
     const Job job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
-    job.done(do_or_why_not(job.request));
+    job.done(answer_to(job.request));
     lock.lock();
   }
 }
 
 // An exception must not end the thread. Possible causes: no memory, or a user name that is not UTF-8.
-record::Result<Signed> Countersigner::do_or_why_not(const SignRequest& request) const {
+record::Result<Signed> Countersigner::answer_to(const SignRequest& request) const {
   try {
     const auto path = run_file_in(directory_, request.file);
     if (!path) return fail(path.error() + (request.enter ? "" : "; a key of your own signs any run file"));
@@ -152,7 +156,7 @@ record::Result<Signed> Countersigner::do_or_why_not(const SignRequest& request) 
 
 record::Result<Signed> Countersigner::sign(const SignRequest& request, const std::string& path) const {
   const User user = user_of(request.uid);
-  record::PersonalSignature words = request.words;
+  record::PersonalSignature words = request.statement;
   words.person = record::Person{request.uid, user.login};
   if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
   if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));

@@ -42,8 +42,8 @@ struct CountersignerTest : testing::Test {
   static SignRequest request(const std::string& file) {
     SignRequest request;
     request.file = file;
-    request.words.name = "Anna Weber";
-    request.words.meaning = "reviewed";
+    request.statement.name = "Anna Weber";
+    request.statement.meaning = "reviewed";
     request.uid = getuid();
     return request;
   }
@@ -79,7 +79,7 @@ TEST_F(CountersignerTest, TakesTheNameOfTheSystemWhereNoneIsGiven) {
   (void)written("run.dwell");
   begin();
   SignRequest asked = request("run.dwell");
-  asked.words.name.clear();
+  asked.statement.name.clear();
   const auto made = sign(asked);
   ASSERT_TRUE(made) << made.error();
   EXPECT_NE(made->signature->name, "");
@@ -213,7 +213,7 @@ TEST(SignRequest, NamesWhatIsMissingInALine) {
   const auto asked = parse_sign_request(R"({"verb":"sign","file":"a.dwell","meaning":"seen","reason":null})", 7);
   ASSERT_TRUE(asked && *asked);
   EXPECT_EQ((*asked)->uid, 7u);
-  EXPECT_EQ((*asked)->words.meaning, "seen");
+  EXPECT_EQ((*asked)->statement.meaning, "seen");
 }
 
 TEST(SignRequest, LeavesOtherLinesToOthers) {

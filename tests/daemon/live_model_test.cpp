@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kTable_hz = 4.0;
 
-// A rig whose table rests for half a second, then moves at 4 Hz; scanned 200 times a second, both channels at once.
+// A rig whose table rests for half a second, then moves at 4 Hz; scanned 200 times a second, all channels at once.
 struct LiveRig {
   LiveRig(const Chain& the_chain, double amplitude, double sigma, record::StreamSink* sink = nullptr)
       : chain(the_chain),
@@ -46,8 +46,7 @@ struct LiveRig {
     estimator.emplace(
         rig, std::vector<DeviceFeed>{{&*link, "modbus", 200.0, false}}, options, *log, [] {}, now_ns);
   }
-  // Until so many seconds after the table began to move, turning every 10 ms; what waits for the worker is done at
-  // once.
+  // Until so many seconds after the table began to move, turning every 10 ms. worker: jobs are done, each at once.
   void run(double until_s, bool worker = true) {
     while (moving_s(now_ns) < until_s) {
       now_ns += 10 * kMs_ns;
@@ -115,7 +114,8 @@ TEST(LiveModel, HasCoefficientsInSecondsWhereTheVerdictTakesMinutes) {
   EXPECT_LT(std::abs(element.damping.value - live.chain.damping[0]), 4 * element.damping.u);
   EXPECT_LE(early->until_s, 5.5) << "on the run's axis, the table moved from 0.5 s on";
 
-  // Every second there costs half of one; 25 s show as well that it narrows and that the verdict is awaited.
+  // Under a sanitizer a second played takes half a second: 25 of them show as well that it narrows and that the verdict
+  // is awaited.
   live.run(kUnderSanitizer ? 25.0 : 60.0);
   EXPECT_FALSE(std::isfinite(live.latest().dwell.settled_s)) << "the harmonic verdict is still awaited";
   const ElementEstimate& late = live.latest().transient->estimate.elements.front();
@@ -134,7 +134,7 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
   ASSERT_EQ(now.transient->estimate.reason, "");
   EXPECT_LT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "taken over by the dwell, until that ends";
   ASSERT_TRUE(now.transient_agreement);
-  EXPECT_LT(now.transient_agreement->e_n, 1.5) << "eight differences, over U";
+  EXPECT_LT(now.transient_agreement->e_n, 1.5) << "the largest of all differences, over twice its u";
   ASSERT_TRUE(now.verified);
   EXPECT_EQ(now.verified->dwell.index, now.dwell.index);
   EXPECT_EQ(now.verified->verification.verdict, Verdict::adequate)
