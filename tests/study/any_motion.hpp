@@ -16,11 +16,13 @@ enum class TableKind {
   ramp,    // a sine whose amplitude rises from 0 and falls again, within 4 … 20 periods each
   random,  // 40 tones of any phase between 0.2 and 2.5 times the drive
   wander,  // a sine whose amplitude wanders by 10 % and whose phase does by 0.1 rad
+  sparse,  // the drive alone, with another tone, as a swell, or eight tones instead; 5 … 14 readings of each channel a
+           // period, noise of 1 … 2 %, none or one mass
 };
-inline constexpr int kTableKinds = 4;
+inline constexpr int kTableKinds = 5, kReadOften = 4;  // all; all but `sparse`
 [[nodiscard]] const char* name_of(TableKind kind);
 
-// A rig of at most `most` masses and its first `periods` periods; index draws it, with the seed.
+// A rig of at most `most` masses; index draws it, with the seed.
 [[nodiscard]] Case draw_motion_case(TableKind kind, std::uint64_t seed, int index, int most);
 
 // The readings up to then, as the method takes them.
@@ -33,6 +35,7 @@ struct MotionOutcome {
   std::vector<double> beyond;  // |value - truth| / U95, likewise
   int withheld = 0;            // elements that are not identifiable
   int widened = 0;             // 1: a warning says that uncertainties are widened
+  int advised = 0;             // 1: something is named as missing
   double seconds = 0.0;        // CPU time of this estimate
 };
 

@@ -142,7 +142,7 @@ const char* name_of(MissingFault fault) {
 FaultOutcome play_fault(MissingFault fault, std::uint64_t seed, int index, int most, double periods) {
   FaultOutcome out;
   const bool linear = fault != MissingFault::friction && fault != MissingFault::cubic;
-  const auto kind = linear ? static_cast<TableKind>(index % kTableKinds) : TableKind::dwell;
+  const auto kind = linear ? static_cast<TableKind>(index % kReadOften) : TableKind::dwell;
   Case about = draw_motion_case(kind, seed, index, most);
   about.change_s = 0.0;
   Draws draws(mixed(about.seed) + 77);

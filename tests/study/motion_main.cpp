@@ -22,7 +22,7 @@ double median(std::vector<double> of) {
 
 void print(TableKind kind, const std::vector<MotionOutcome>& all, bool list) {
   double squares = 0.0, count = 0.0, inside = 0.0;
-  int withheld = 0, none = 0, refused = 0, widened = 0;
+  int withheld = 0, none = 0, refused = 0, widened = 0, advised = 0, far = 0;
   std::vector<double> seconds, sizes;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const MotionOutcome& one = all[i];
@@ -30,6 +30,7 @@ void print(TableKind kind, const std::vector<MotionOutcome>& all, bool list) {
     refused += one.refused ? 1 : 0;
     widened += one.widened;
     withheld += one.withheld;
+    advised += one.advised;
     seconds.push_back(one.seconds);
     double largest = 0.0;
     for (const double error : one.errors) {
@@ -38,16 +39,16 @@ void print(TableKind kind, const std::vector<MotionOutcome>& all, bool list) {
       sizes.push_back(std::abs(error));
       largest = std::max(largest, std::abs(error));
     }
+    far += largest > 4 ? 1 : 0;
     for (const double beyond : one.beyond) inside += beyond <= 1 ? 1 : 0;
-    if (list && (!one.reason.empty() || one.widened > 0 || largest > 3))
-      std::printf("  %s %zu: %s largest error %.1f u%s\n", name_of(kind), i, one.reason.c_str(), largest,
-                  one.widened > 0 ? ", widened" : "");
+    if (list && (!one.reason.empty() || one.widened + one.advised > 0 || largest > 3))
+      std::printf("  %s %zu: %s largest error %.1f u%s%s\n", name_of(kind), i, one.reason.c_str(), largest,
+                  one.widened > 0 ? ", widened" : "", one.advised > 0 ? ", advised" : "");
   }
   std::printf(
-      "%-7s rigs %zu, none %d (%d refused: residuals are not noise), widened %d, withheld %d, coefficients %g: rms "
-      "error "
-      "%.3f u (robust %.3f), inside %.1f %%, median %.2f s\n",
-      name_of(kind), all.size(), none, refused, widened, withheld, count, std::sqrt(squares / count),
+      "%-7s rigs %zu, none %d (%d refused: residuals are not noise), widened %d, withheld %d, wrong advice %d, "
+      "beyond 4 u %d, coefficients %g: rms error %.3f u (robust %.3f), inside %.1f %%, median %.2f s\n",
+      name_of(kind), all.size(), none, refused, widened, withheld, advised, far, count, std::sqrt(squares / count),
       median(sizes) / 0.6745, 100 * inside / count, median(seconds));
 }
 
@@ -98,13 +99,14 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   bool list = false, timing = false;
   std::vector<std::string> names;
-  app.add_option("names", names, "dwell, ramp, random, wander; default: all");
+  app.add_option("names", names, "dwell, ramp, random, wander, sparse; default: all");
   app.add_option("--rigs", rigs, "of each");
   app.add_option("--masses", most, "at most");
   app.add_option("--periods", periods, "of the drive, from the start of the motion on");
   app.add_option("--seed", seed);
   app.add_option("--only", only, "this rig alone");
-  app.add_flag("--list", list, "rigs without an estimate, with widened uncertainties or with errors above 3 u");
+  app.add_flag("--list", list,
+               "rigs without an estimate, with widened uncertainties, with advice or with errors above 3 u");
   app.add_flag("--times", timing, "only when U95 falls to 10 %, over the bound's time and over the harmonic verdict's");
   CLI11_PARSE(app, argc, argv);
   if (timing) {
