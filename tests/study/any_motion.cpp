@@ -35,7 +35,7 @@ std::vector<Tone> tones_of(Draws& draws, TableKind kind, double f, Complex A) {
 
 // What the table does between few readings hardly shows, so that noise and the table's process may be taken for each
 // other.
-TableMotion sparse_table(Draws& draws, double f, double periods) {
+TableMotion sparse_table(Draws& draws, double f) {
   const Complex A{draws.log_uniform(2e-4, 5e-3), 0.0};
   TableMotion table{f, {A}};
   switch (draws.integer(0, 3)) {
@@ -44,8 +44,8 @@ TableMotion sparse_table(Draws& draws, double f, double periods) {
     case 1:
       table.tones.push_back({f * draws.uniform(1.3, 2.0), 0.4 * A});
       break;
-    case 2:  // A sin(ωt) sin²(πt/T), T the whole recording
-      table.tones = {{f, -0.5 * A}, {f * (1 + 1 / periods), -0.25 * A}, {f * (1 - 1 / periods), -0.25 * A}};
+    case 2:  // A sin(ωt) sin²(πt/T), T twenty periods
+      table.tones = {{f, -0.5 * A}, {f * (1 + 1 / 20.0), -0.25 * A}, {f * (1 - 1 / 20.0), -0.25 * A}};
       break;
     default:
       table.tones.push_back({f, -A});
@@ -71,11 +71,10 @@ Case draw_sparse(std::uint64_t seed, int index, int most) {
   }
   draw_drive_settings(draws, about, 0.0);
   draw_channels(draws, about);
-  about.table = sparse_table(draws, about.frequency_hz, 20.0);
+  about.table = sparse_table(draws, about.frequency_hz);
   about.rig.excitation.minimum = 1e-3 * std::abs(about.table.shape[0]);
   about.motion = std::make_shared<Motion>(about.chain, about.sensors);
   about.motion->drive(0.0, about.table);
-  draw_noise(draws, about, std::abs(about.table.shape[0]));
   const double rate_hz = about.frequency_hz * draws.uniform(5, 14), noise = draws.uniform(0.01, 0.02);
   const double jitter = draws.chance(0.4) ? 0.6 : 0.0, skew = draws.chance(0.5) ? 0.3 : 0.0;
   for (int c = 0; c < about.channels(); ++c) {
@@ -84,7 +83,6 @@ Case draw_sparse(std::uint64_t seed, int index, int most) {
     line.jitter = jitter;
     line.phase = skew * c / about.channels();
     line.sigma = noise * std::abs(about.motion->phasor(c, 1));
-    line.mean = 0.0;
   }
   return about;
 }
