@@ -26,7 +26,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of two periods at least: fewer scatter by more than a quarter of their mean.
+// Blocks of two periods at least: from eight a standard deviation is known to 1/√16, a quarter. Fewer: u is widened or
+// not by chance.
 constexpr int kFewestBlocks = 8;
 
 class Report {
@@ -154,10 +155,10 @@ class Report {
     out.reason = "the chain of the rig file does not explain " + listed(names);
   }
 
-  // Where the innovations are not white the information overstates: the sandwich form, never narrower. It takes
-  // kFewestBlocks; with fewer only the warning says it. Where the table
-  // moves as its process does not have it, what comes of that through the chain cannot be told from a chain that is
-  // wrong. Residuals δ that are nobody's noise move a coefficient by no more than u √(Σ δ²/S) (Cauchy and Schwarz).
+  // The information overstates where the innovations are not white. The sandwich form then takes its place, never
+  // narrower, if there are kFewestBlocks; with fewer only the warning says it. Where the table moves as its process
+  // does not have it, what comes of that through the chain cannot be told from a chain that is wrong. Residuals δ that
+  // are nobody's noise move a coefficient by no more than u √(Σ δ²/S) (Cauchy and Schwarz).
   void widen(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kNotWhite, 0.0);
     if (names.empty()) return;
@@ -169,6 +170,7 @@ class Report {
                             : enough ? "the scatter from block to block asks for no wider uncertainties"
                                      : "the readings are too few to say how much wider the uncertainties should be"));
   }
+  // Returns whether any variance has grown.
   bool widen_by_blocks() {
     const MatrixXd& inverse = course_.fit.covariance;
     const MatrixXd sandwich = inverse * course_.fit.pass.meat * inverse;

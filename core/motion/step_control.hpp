@@ -29,8 +29,8 @@ class StepControl {
 
   static constexpr double kLeastDamping = 1e-9;
   double damping_ = kLeastDamping;
-  double served_ = 0.0;  // the last damping whose step gained enough of what it promised
-  int poor_ = 0;         // damped steps in a row with less than that, taken or not
+  double served_ = 0.0;  // the damping of the last step that gained more than kPoor
+  int poor_ = 0;         // steps in a row that gained less, taken or not
   double factor_ = 1.0;
   bool flat_ = false;  // the last step found the function flatter
 };

@@ -80,7 +80,7 @@ class SettlingDetector {
   void remember(const Window& window, std::span<const Reading> readings) noexcept;
   [[nodiscard]] double allowed(const Reading& now) const noexcept;
   [[nodiscard]] bool agrees(int window, const Window& now, std::span<const Reading> readings) const noexcept;
-  // How fast the transient decays, for the bound on what is left of it.
+  // The decay of the transient. It bounds what is left.
   struct Decay {
     double T;           // time constant, s
     double as_it_is_s;  // windows younger than this overlap the newest: their difference counts undiminished

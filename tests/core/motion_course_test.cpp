@@ -75,8 +75,8 @@ TEST(MotionCourse, ComesToTheMaximumThatTheTruthLeadsToWhereATableBeginsSlowly) 
   }
 }
 
-// With all intensities too low, noise takes the place of what the table does beside its drive. That maximum has 22
-// times the noise of the readings, so a bound of three times tells the two.
+// A lesser maximum has all intensities too low: it takes the table's second tone for noise, 22 times that of the
+// readings. The bound of three times lies between the two.
 TEST(MotionCourse, TakesNoSecondToneOfTheTableForNoise) {
   const Chain chain{Boundary::clamped, {}, {2e4}, {40}};
   const Rig rig = rig_of(chain, 4.0);
