@@ -23,21 +23,27 @@ function beyond(foot_px) {
 // So many elements are always set closer.
 const MANY = 6;
 
-// As wide as they can be: looked at anew each time, for what needed the room may be gone.
+// Shows the note at the foot if something finds no room; where the room ends [px from the top].
+function footOf() {
+  show($('beyond'), beyond(window.innerHeight).length > 0);
+  return window.innerHeight - $('beyond').offsetHeight; // 0 high where it is hidden
+}
+
+// As wide as they can be: looked at anew each time, for what needed the room may be gone. What lies under the note at the
+// foot has no room either.
 function layOut() {
-  const crowded = () => ['elements', 'warnings'].some((id) => bottomOf($(id)) > window.innerHeight);
   const root = document.documentElement.classList;
   root.toggle('compact', $('elements').children.length >= MANY);
-  if (crowded()) root.add('compact');
+  const foot_px = footOf();
+  if (root.contains('compact') || ['elements', 'warnings'].every((id) => bottomOf($(id)) <= foot_px)) return foot_px;
+  root.add('compact');
+  return footOf();
 }
 
 export function showBeyond() {
   if (!kiosk) return;
-  layOut();
-  const on = beyond(window.innerHeight).length > 0;
-  show($('beyond'), on);
-  const foot_px = window.innerHeight - (on ? $('beyond').offsetHeight : 0);
+  const foot_px = layOut();
   // A strip that is cut off would look whole: what is named as without room is not seen.
   $('traces').classList.toggle('beyond', bottomOf($('trace-plot')) > foot_px);
-  if (on) setText($('beyond'), `▼ no room here for: ${beyond(foot_px).join(', ')}`);
+  setText($('beyond'), `▼ no room here for: ${beyond(foot_px).join(', ')}`);
 }

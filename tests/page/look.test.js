@@ -104,6 +104,21 @@ test('a stuck transducer pushes no element of a usual rig off a wall display', a
   await page.close();
 });
 
+// The note said that there was no room for element 4, which it covered itself.
+test('where the note at the foot would cover an element of a wall display, the elements are set closer', async () => {
+  const page = await open('wall', '?kiosk');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  assert.equal(await page.locator('html.compact').count(), 0);
+  await page.evaluate(() => {
+    const elements = document.querySelector('#elements');
+    elements.style.marginTop = `${window.innerHeight - 4 - elements.getBoundingClientRect().bottom}px`;
+  });
+  await page.waitForSelector('html.compact, #beyond:not([hidden])');
+  assert.equal(await page.locator('html.compact').count(), 1);
+  assert.doesNotMatch(await page.locator('#beyond').innerText(), /element/); // nothing where the note is hidden
+  await page.close();
+});
+
 // At 1280 × 1024 the upper third of the strip showed above the note that there was no room for traces.
 test('a wall display says that it has no room for traces exactly where none are seen', async () => {
   const page = await open('wall', '?kiosk');
