@@ -33,10 +33,20 @@ std::string Pipeline::Impl::foreign_oscillations() const {
 std::string Pipeline::Impl::unseen_reason() const {
   if (states.state() != State::fault) return "";
   const std::string& name = rig.channels[static_cast<std::size_t>(drive_channel())].name;
-  if (!delivers(drive_channel())) return "the drive is not seen: " + name + " is " + live[drive_channel()].fault_name();
+  const LiveChannel& drive = live[drive_channel()];
+  if (!delivers(drive_channel())) return "the drive is not seen: " + name + " is " + drive.fault_name();
+  if (drive.stuck(period_s())) return "the drive is not seen: " + name + " is " + drive.condition_reason(period_s());
   if (at.lost_ns != INT64_MIN && to_s(now_ns - at.lost_ns) < kPeriodsToReturn * period_s())
     return "the drive is not seen yet: " + name + " delivers again, its first periods are awaited";
   return "";
+}
+
+// A table at rest may read one and the same value without noise, and so does a channel that is stuck.
+std::string Pipeline::Impl::at_rest_reason() const {
+  const LiveChannel& drive = live[drive_channel()];
+  if (!drive.stuck(period_s())) return tracker.at_rest_reason();
+  return "the table does not move, or " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
+         drive.condition_reason(period_s());
 }
 
 std::string Pipeline::Impl::barred_reason() const {
@@ -47,7 +57,7 @@ std::string Pipeline::Impl::barred_reason() const {
            " are needed" +
            (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
   if (states.phase() == Phase::interlocked) return "the interlock is open";
-  if (states.phase() == Phase::idle) return tracker.at_rest_reason();
+  if (states.phase() == Phase::idle) return at_rest_reason();
   if (delivers(drive_channel())) {
     if (std::string reason = reference.unusable_reason(now_ns); !reason.empty()) return reason;
     if (states.settling() && reference.pulses_contradict(tracker.omega()))

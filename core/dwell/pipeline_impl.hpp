@@ -183,6 +183,7 @@ struct Pipeline::Impl {
   [[nodiscard]] std::string barred_reason() const;
   // Why the drive is not seen, where its channel was lost; empty: it was not.
   [[nodiscard]] std::string unseen_reason() const;
+  [[nodiscard]] std::string at_rest_reason() const;
 
   // Identifies the chain from the later half of the hold, to predict the decay. Now and then (the eigenvalues cost n³),
   // and only if the usable channels show every mass.
