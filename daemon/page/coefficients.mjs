@@ -29,15 +29,20 @@ export const about = (doubts, k) => doubts.filter((d) => d.elements.length === 0
 
 const limitsAbout = (limits, k) => (limits ?? []).filter((limit) => limit.element === k);
 
+// Of an element of LastNumbers the newest state in which it had numbers; null: it never had.
+const numberedOf = (element) => (element?.identifiable ? element : element?.before ?? null);
+
 // Coefficients that a dwell or its transient gives, remembered for when they are withdrawn: an operator must see that the
 // number before his eyes a second ago is gone, and from when it was.
 export class LastNumbers {
   key = null; // of their dwell
   index = null;
-  elements = []; // as in a dwell; where there is a number, also when it was new (seen), its doubts and its limits then
+  // As in a dwell. Where there is a number, also when it was new (seen), its doubts and its limits then. Where the number
+  // is withheld while the dwell goes on, also `before`: the element when it had its number.
+  elements = [];
   model = null; // the verdict on their dwell's model, as in a dwell
   t = null; // when the newest of them were new, s of the page's clock
-  ended_by = null;
+  ended_by = null; // null: the end of their dwell is not known
   unstated = []; // uncertainties that their ± does not cover
   #end_s = null; // end of the data that they come from, s on the run's axis
 
@@ -49,8 +54,11 @@ export class LastNumbers {
     const same = this.key === keyOf(dwell);
     const t = this.#newAt(dwell, now, nowMs, same);
     const before = same ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
-    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: t, doubts: about(dwell.doubts, e.k),
-      limits: limitsAbout(dwell.limits, e.k) } : before.get(e.k) ?? e));
+    this.elements = dwell.elements.map((e) => {
+      if (e.identifiable) return { ...e, seen: t, doubts: about(dwell.doubts, e.k), limits: limitsAbout(dwell.limits, e.k) };
+      const numbered = numberedOf(before.get(e.k));
+      return { ...e, before: numbered, doubts: numbered?.doubts ?? about(dwell.doubts, e.k), limits: [] };
+    });
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null, model: dwell.model ?? (same ? this.model : null),
       unstated: dwell.unstated ?? [] });
     this.#end_s = dwell.end_s;
@@ -81,7 +89,7 @@ export class LastNumbers {
       : this.elements.map(({ k }) => ({ k, identifiable: false, reason: 'too few of its data count' }));
     const before = same ? this.elements : [];
     const limitsOf = (e) => (dwell.limits === null
-      ? before.find((b) => b.k === e.k && COEFFICIENTS.every(({ key }) => b[key]?.value === e[key]?.value))?.limits ?? []
+      ? before.map(numberedOf).find((b) => b?.k === e.k && COEFFICIENTS.every(({ key }) => b[key]?.value === e[key]?.value))?.limits ?? []
       : limitsAbout(dwell.limits, e.k));
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by, model: dwell.model ?? (same ? this.model : null),
       unstated: dwell.unstated ?? [],
@@ -111,6 +119,9 @@ function cellsOf(element, doubted, struckAge, limits = []) {
     return cell;
   });
 }
+
+// An element as it was when it had its numbers, for where they are withheld now. null: it never had any.
+const struckCells = (before, now) => (before ? cellsOf(before, before.doubts.length > 0, ageText(now - before.seen), before.limits) : null);
 
 const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
 
@@ -146,13 +157,13 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
     const doubted = about(dwell.doubts, e.k).length > 0;
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
-      ? last.elements.find((b) => b.k === e.k && b.identifiable) : null;
+      ? numberedOf(last.elements.find((b) => b.k === e.k)) : null;
     return {
       k: e.k,
       reason: e.identifiable ? null : e.reason ?? 'no reason stated',
       cells: cellsOf(e, doubted, age, source === 'measured' ? dwell.limits ?? [] : []),
       budget: e.budget ?? [],
-      last: before ? cellsOf(before, before.doubts.length > 0, ageText(now - before.seen), before.limits) : null,
+      last: struckCells(before, now),
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
         ...warningsOf(dwell).filter(({ elements }) => elements.includes(e.k)).map(({ text }) => ({ tone: 'care', text }))],
     };
@@ -183,13 +194,14 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
   const model = modelOf({ ...last, doubts, state: 'complete' }, verification ?? null);
   return {
     source: 'last',
-    title: `last dwell: ${last.index}, ended ${lastAge} ago${causes.length > 0 ? `: ${causes.join('; ')}` : ''}`,
+    // When a dwell ended of which the service tells no more, as after it was started again, nobody knows.
+    title: `last dwell: ${last.index}, ${last.ended_by === null ? 'last seen' : 'ended'} ${lastAge} ago${causes.length > 0 ? `: ${causes.join('; ')}` : ''}`,
     notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on ${whom([d])}: ${d.what}` })),
       ...(model ? [{ tone: model.tone, text: `model: ${model.text}` }] : [])],
     reason: null,
     unstated: last.unstated,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null, e.limits), last: null, notes: [],
+      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null, e.limits), last: struckCells(e.before ?? null, now), notes: [],
       budget: [] })),
   };
 }

@@ -64,7 +64,7 @@ test('the device has died: the last numbers, struck through', () => {
   const view = after(dwellOf(), idleOf({ state: 'fault', settling_reason: 'the drive is not seen: y0 is timeout' }));
   const shown = coefficientsOf({ ...view, broken: true });
   assert.equal(shown.source, 'last');
-  assert.equal(shown.title, 'last dwell: 3, ended 1.0 s ago');
+  assert.equal(shown.title, 'last dwell: 3, last seen 1.0 s ago');
   assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m, 1.0 s old');
 });
 
@@ -112,7 +112,7 @@ test('a dwell that had ended before the run was stopped keeps its own cause', ()
   const view = after(dwellOf(), stoppedOf({ ended_by: 'data lost' }));
   assert.match(coefficientsOf(view).title, /ago: data lost; the run was stopped: /);
   const none = after(dwellOf({ index: 2 }), stoppedOf({ ended_by: 'end', settled_s: null, elements: [] }));
-  assert.equal(coefficientsOf(none).title, 'last dwell: 2, ended 1.0 s ago', 'the stop ended dwell 3, which never settled');
+  assert.equal(coefficientsOf(none).title, 'last dwell: 2, last seen 1.0 s ago', 'the stop ended dwell 3, which never settled');
 });
 
 // The service cuts a dwell back to before the drive stopped; the live numbers of the last seconds hold data of after it.
@@ -159,7 +159,7 @@ for (const [what, told] of afterStandingStill) {
     for (const [changes, now] of told) tell(view, dwellOf(changes), now);
     tell(view, idleOf({ state: 'fault', settling_reason: 'the drive is not seen: y0 is silent' }), 111.5);
     const shown = coefficientsOf(view);
-    assert.match(shown.title, /^last dwell: 3, ended 10 s ago/);
+    assert.match(shown.title, /^last dwell: 3, (ended|last seen) 10 s ago/);
     assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m, 10 s old');
   });
 }
@@ -217,8 +217,27 @@ test('the last dwell keeps its doubts: its end makes no number reliable', () => 
     assert.equal(source, 'last');
     assert.doesNotMatch(title, /rely/);
     assert.deepEqual(notes, [{ tone: 'alarm', text: 'do not rely on element 2: r_2 is negative' }]);
-    assert.deepEqual(elements.map((e) => e.cells.map((c) => c.marks)), [[[], []], [['?'], ['?']]]);
+    assert.deepEqual(elements.map((e) => (e.last ?? e.cells).map((c) => c.marks)), [[[], []], [['?'], ['?']]]);
   }
+});
+
+// A coefficient that was withheld came back as a good one when the service was started again.
+test('of a dwell whose end nobody told, what was withheld stays withheld, with its reason', () => {
+  const [first] = dwellOf().elements;
+  const withheld = { k: 2, identifiable: false, reason: 'y2 is stuck', stiffness: null, damping: null, budget: [] };
+  const view = after(dwellOf({ limits: limitsOf('violated') }), dwellOf({ end_s: 23, elements: [first, withheld] }));
+  tell(view, idleOf({ start_utc: '2026-11-23T07:01:00.000000Z' }), AT + 8); // a service that has begun anew
+  const shown = coefficientsOf(view);
+  assert.equal(shown.title, 'last dwell: 3, last seen 7.0 s ago');
+  const [one, two] = shown.elements;
+  assert.deepEqual([one.reason, one.last], [null, null]);
+  assert.equal(two.reason, 'y2 is stuck');
+  assert.deepEqual(two.cells.map((cell) => cell.number), [null, null]);
+  assert.deepEqual(two.last.map(text), ['c₂ 8.0000 ± 0.0080 kN/m, 8.0 s old', 'r₂ 45.00 ± 0.45 N·s/m, 8.0 s old']);
+  assert.equal(two.last[0].limit.verdict, 'violated', 'beside the struck number that it was made from');
+  // The same where it never had a number.
+  const never = after(dwellOf({ elements: [first, withheld] }), idleOf());
+  assert.deepEqual(coefficientsOf(never).elements.map((e) => [e.reason, e.last]), [[null, null], ['y2 is stuck', null]]);
 });
 
 // When the drive stopped, a violated limit stood there in grey without a verdict, and an adequate model was forgotten.

@@ -150,3 +150,21 @@ test('the service hangs or is killed: the page says so by its own clock, and com
   }
   await closePage(page);
 });
+
+// The last one: the table rests afterwards. Withheld coefficients came back as good ones.
+test('the service is started again while coefficients are withheld: they stay withheld, with their reason', async () => {
+  const page = await openPage(bench);
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  bench.rig.say('stuck y2 on');
+  await page.waitForFunction(() => document.querySelectorAll('.element.withheld .number.struck').length === 6);
+  const reasons = (await texts(page, '.reason:not([hidden])')).map((text) => text.replace(/\d[\d.]*/g, '#'));
+  bench.service.signal('SIGKILL'); // first, so that it never tells how the dwell ended
+  bench.rig.say('stop');
+  await bench.service.ended;
+  await kind(page, 'gone');
+  await bench.startService();
+  await page.locator('#coefficients[data-source=last] #coefficients-from', { hasText: /^not of now · last dwell: \d+, last seen [\d.]+ s ago$/ }).waitFor();
+  assert.deepEqual((await texts(page, '.reason:not([hidden])')).map((text) => text.replace(/\d[\d.]*/g, '#')), reasons);
+  assert.equal(await page.locator('.element.withheld .number.struck').count(), 6);
+  await closePage(page);
+});
