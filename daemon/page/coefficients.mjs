@@ -18,6 +18,7 @@ const unsaid = (dwell) => warningsOf(dwell).filter((warning) => !dwell.elements.
 // While the table rests the page has no phasors, so the channels' warnings stand with the dwell's.
 const namesChannels = (dwell, warning) => dwell.state !== 'idle' && warning.channels.length > 0;
 const textOf = ({ text }) => text;
+const warningNotes = (warned, k) => warned.filter(({ elements }) => elements.includes(k)).map(({ text }) => ({ tone: 'care', text }));
 export const channelWarnings = (dwell) => unsaid(dwell).filter((warning) => namesChannels(dwell, warning)).map(textOf);
 export const generalWarnings = (dwell) => unsaid(dwell).filter((warning) => !namesChannels(dwell, warning)).map(textOf);
 
@@ -44,6 +45,8 @@ export class LastNumbers {
   t = null; // when the newest of them were new, s of the page's clock
   ended_by = null; // null: the end of their dwell is not known
   unstated = []; // uncertainties that their ± does not cover
+  warned = []; // the warnings of their dwell, as warningsOf() gives them
+  whole = false; // these are those at its end
   #end_s = null; // end of the data that they come from, s on the run's axis
 
   take(dwell, now, nowMs) {
@@ -60,7 +63,7 @@ export class LastNumbers {
       return { ...e, before: numbered, doubts: numbered?.doubts ?? about(dwell.doubts, e.k), limits: [] };
     });
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null, model: dwell.model ?? (same ? this.model : null),
-      unstated: dwell.unstated ?? [] });
+      unstated: dwell.unstated ?? [], warned: warningsOf(dwell), whole: false });
     this.#end_s = dwell.end_s;
   }
 
@@ -79,7 +82,7 @@ export class LastNumbers {
 
   // A dwell that has ended: before the page was opened, or as it was seen. The service cuts its data back to before the
   // drive changed, so its last numbers and doubts replace those that were told live. limits: null: not known; then those
-  // of the same numbers stay.
+  // of the same numbers stay. The service's list has no warnings: then those that were told live stay.
   takeEnded(dwell, ended_ms, now, nowMs) {
     const same = this.key === keyOf(dwell);
     const none = dwell.settled_s === null || dwell.elements.length === 0;
@@ -92,7 +95,8 @@ export class LastNumbers {
       ? before.map(numberedOf).find((b) => b?.k === e.k && COEFFICIENTS.every(({ key }) => b[key]?.value === e[key]?.value))?.limits ?? []
       : limitsAbout(dwell.limits, e.k));
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by, model: dwell.model ?? (same ? this.model : null),
-      unstated: dwell.unstated ?? [],
+      unstated: dwell.unstated ?? [], warned: dwell.warnings ? warningsOf(dwell) : same ? this.warned : [],
+      whole: Boolean(dwell.warnings) || (same && this.whole),
       elements: elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k), limits: limitsOf(e) })) });
     this.#end_s = dwell.end_s;
   }
@@ -138,22 +142,26 @@ export function legendOf(shown) {
   return `${parts.join('. ')}.`;
 }
 
-// { source, title, notes, reason, unstated, elements: [{ k, reason, cells, last, notes }] }
+// { source, title, notes, reason, unstated, warnings, nowWarnings, elements: [{ k, reason, cells, last, notes }] }
 //   source  'measured', 'transient', 'last' or 'none'
 //   notes   { tone, text }: of 'last': the doubts, and the verdict on the model; the head tells those of a dwell of now
 //   unstated  uncertainties that no ± of these numbers covers
+//   warnings  of the dwell that these numbers are of, where no element or channel has them beside it
+//   nowWarnings  those of now, where the numbers are of a dwell before
 //   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
 //           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
 // view: { dwell, health, fresh, now, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
 // refused: nobody is logged in }
 export function coefficientsOf({ dwell, health, fresh, now, last, verification, broken, refused }) {
-  const none = (reason) => ({ source: 'none', title: '', notes: [], reason, unstated: [], elements: [] });
+  const none = (reason) => ({ source: 'none', title: '', notes: [], reason, unstated: [], warnings: dwell ? generalWarnings(dwell) : [],
+    nowWarnings: [], elements: [] });
   if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
   const old = fresh.dwellOld(now);
   const age = old ? ageText(fresh.dwellAge_s(now)) : null;
 
-  const shown = (elements, source, title) => ({ source, title, notes: [], reason: null, unstated: dwell.unstated, elements: elements.map((e) => {
+  const shown = (elements, source, title) => ({ source, title, notes: [], reason: null, unstated: dwell.unstated,
+    warnings: generalWarnings(dwell), nowWarnings: [], elements: elements.map((e) => {
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
     const doubted = about(dwell.doubts, e.k).length > 0;
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
@@ -165,7 +173,7 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
       budget: e.budget ?? [],
       last: struckCells(before, now),
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
-        ...warningsOf(dwell).filter(({ elements }) => elements.includes(e.k)).map(({ text }) => ({ tone: 'care', text }))],
+        ...warningNotes(warningsOf(dwell), e.k)],
     };
   }) });
 
@@ -187,11 +195,15 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
   const lastAge = ageText(now - last.t);
   // A dwell that has ended is told on only after the run was stopped, with that as its reason. If the stop ended it, its
   // own cause, the end of the data, says nothing more.
-  const stopped = dwell.state === 'complete' && last.key === keyOf(dwell) ? dwell.settling_reason : '';
+  const staysInView = dwell.state === 'complete' && last.key === keyOf(dwell);
+  const stopped = staysInView ? dwell.settling_reason : '';
   const cause = played && last.ended_by === 'data lost' ? 'the recording ended' : last.ended_by;
   const causes = [stopped && cause === 'end' ? '' : cause, stopped].filter(Boolean);
   const doubts = last.doubts();
   const model = modelOf({ ...last, doubts, state: 'complete' }, verification ?? null);
+  // Its channels' warnings stand with the phasors while the page shows those of that dwell.
+  const warned = last.warned.filter(({ elements, channels }) =>
+    !last.elements.some((e) => elements.includes(e.k)) && !(staysInView && channels.length > 0));
   return {
     source: 'last',
     // When a dwell ended of which the service tells no more, as after it was started again, nobody knows.
@@ -200,8 +212,11 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
       ...(model ? [{ tone: model.tone, text: `model: ${model.text}` }] : [])],
     reason: null,
     unstated: last.unstated,
+    warnings: warned.map(textOf),
+    nowWarnings: staysInView ? [] : generalWarnings(dwell),
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null, e.limits), last: struckCells(e.before ?? null, now), notes: [],
+      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null, e.limits), last: struckCells(e.before ?? null, now),
+      notes: warningNotes(last.warned, e.k),
       budget: [] })),
   };
 }

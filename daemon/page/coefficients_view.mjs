@@ -1,6 +1,6 @@
 // The coefficients on the page: coefficients.mjs decides what stands there, this puts it there.
 import { budgetOf } from './budget.mjs';
-import { COEFFICIENTS, coefficientsOf, generalWarnings, legendOf, subscript } from './coefficients.mjs';
+import { COEFFICIENTS, coefficientsOf, legendOf, subscript } from './coefficients.mjs';
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
 import { deviationOf, trendPaths } from './history.mjs';
 import { percentText } from './number.mjs';
@@ -99,6 +99,11 @@ function renewElement(node, element, view, source) {
 // Said above numbers that are not simply those of now.
 const FROM = { transient: 'provisional', last: 'not of now' };
 
+function showWarnings(list, warnings) {
+  show(list, warnings.length > 0);
+  keyed(list, warnings, (text) => text, (text) => h('li', { 'data-tone': 'care' }, text));
+}
+
 export function showCoefficients(view) {
   const shown = coefficientsOf(view);
   setAttributes($('coefficients'), { 'data-source': shown.source });
@@ -110,8 +115,8 @@ export function showCoefficients(view) {
   show($('coefficients-none'), shown.reason !== null);
   keyed($('elements'), shown.elements, (element) => element.k, makeElement,
     (node, element) => renewElement(node, element, view, shown.source));
-  const warnings = view.dwell ? generalWarnings(view.dwell) : [];
-  show($('warnings'), warnings.length > 0);
-  keyed($('warnings'), warnings, (text) => text, (text) => h('li', { 'data-tone': 'care' }, text));
+  showWarnings($('warnings'), shown.warnings);
+  showWarnings($('now-warnings'), shown.nowWarnings);
+  show($('now-warnings-title'), shown.nowWarnings.length > 0);
   setText($('legend'), legendOf(shown));
 }

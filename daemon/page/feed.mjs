@@ -170,5 +170,16 @@ export class Feed {
     }
     await this.#askWhyUnverified();
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
+    await this.#askLast();
+  }
+
+  // What the list leaves out of the last dwell: its warnings.
+  async #askLast() {
+    const { key, index, ended_by, whole } = this.last;
+    if (whole || ended_by === null) return;
+    const dwell = await this.#get(`/api/v1/dwells/${index}`);
+    const ended = utcMs(dwell, dwell.end_s);
+    // Indices begin anew with each run: the service has only the dwells of the newest.
+    if (keyOf(dwell) === key && this.last.key === key && ended !== null) this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
   }
 }

@@ -6,7 +6,7 @@ const $ = (id) => document.getElementById(id);
 const kiosk = new URLSearchParams(location.search).has('kiosk');
 
 // Alarms are counted in the head. Of the traces the strip itself counts, not what is free below it.
-const PARTS = [['warnings', 'warnings of the dwell'], ['legend', 'notes on the coefficients'], ['trace-plot', 'traces'],
+const PARTS = [['warnings', 'warnings of the dwell'], ['now-warnings', 'warnings of now'], ['legend', 'notes on the coefficients'], ['trace-plot', 'traces'],
   ['phasor-notes', 'warnings of channels']];
 
 const bottomOf = (node) => node.getBoundingClientRect().bottom; // 0 where it is hidden
@@ -35,7 +35,7 @@ function layOut() {
   const root = document.documentElement.classList;
   root.toggle('compact', $('elements').children.length >= MANY);
   const foot_px = footOf();
-  if (root.contains('compact') || ['elements', 'warnings'].every((id) => bottomOf($(id)) <= foot_px)) return foot_px;
+  if (root.contains('compact') || ['elements', 'warnings', 'now-warnings'].every((id) => bottomOf($(id)) <= foot_px)) return foot_px;
   root.add('compact');
   return footOf();
 }

@@ -288,3 +288,32 @@ test('a warning about an element that has no place of its own stands with the dw
   assert.deepEqual(generalWarnings(settlingOf(of(['it is not linear']))), ['it is not linear']);
   assert.deepEqual(generalWarnings(dwellOf(of(['it is not linear']))), []);
 });
+
+// Warnings of the idle time stood directly below the last dwell's numbers, and its own stood nowhere.
+test('the last dwell keeps its own warnings; those of now are told apart', () => {
+  const live = dwellOf(warningOf([{ kind: 'hum', text: 'seen live' }]));
+  const final = dwellOf({ state: 'complete', ended_by: 'drive stopped', ...warningOf([{ kind: 'hum', text: 'hum at 50 Hz' },
+    { kind: 'nonlinear', text: 'it is not linear', elements: [2] }, { kind: 'readings', text: 'y1 was gated', channels: ['y1'] }]) });
+  const { warnings, warned, ...brief } = final; // as the list of dwells has it
+  const idle = idleOf(warningOf([{ kind: 'readings', text: 'y1 is gated now', channels: ['y1'] }]));
+  const view = after(live, idle);
+  view.last.takeEnded(brief, utcAt(AT), AT + 1, utcAt(AT + 1));
+  assert.equal(view.last.whole, false);
+  assert.deepEqual(coefficientsOf(view).warnings, ['seen live']);
+  view.last.takeEnded(final, utcAt(AT), AT + 1, utcAt(AT + 1));
+  assert.equal(view.last.whole, true);
+  view.last.takeEnded(brief, utcAt(AT), AT + 1, utcAt(AT + 1)); // its model has been verified: the list tells it once more
+  assert.equal(view.last.whole, true);
+  const shown = coefficientsOf(view);
+  assert.deepEqual(shown.warnings, ['hum at 50 Hz', 'y1 was gated']);
+  assert.deepEqual(shown.elements.map((e) => e.notes.map((note) => note.text)), [[], ['it is not linear']]);
+  assert.deepEqual(shown.nowWarnings, ['y1 is gated now']);
+});
+
+test('the dwell of a run that was stopped has its warnings once: those of channels are with the phasors', () => {
+  const shown = coefficientsOf(after(stoppedOf(warningOf([{ kind: 'hum', text: 'hum at 50 Hz' },
+    { kind: 'nonlinear', text: 'it is not linear', elements: [2] }, { kind: 'readings', text: 'y1 was gated', channels: ['y1'] }]))));
+  assert.equal(shown.source, 'last');
+  assert.deepEqual([shown.warnings, shown.nowWarnings], [['hum at 50 Hz'], []]);
+  assert.deepEqual(shown.elements[1].notes.map((note) => note.text), ['it is not linear']);
+});

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
-import { dwellOf, settlingOf } from './sample.js';
+import { dwellOf, idleOf, settlingOf, warningOf } from './sample.js';
 
 let browser;
 let bench;
@@ -125,6 +125,20 @@ test('the drive stops: idle, and the last dwell stays with how it ended', async 
     const row = document.querySelector('#dwell-rows tr');
     return numbers.length === 8 && row !== null && numbers.every((number) => [...row.cells].some((cell) => plain(cell) === number));
   });
+  // Whoever opens the page now sees the warnings of that dwell with its numbers, and those of now apart.
+  const late = await browser.newPage({ viewport: SIZES.desk });
+  const hum = warningOf([{ kind: 'hum', text: 'hum at 50 Hz' }]);
+  await late.route('**/api/v1/dwells/*', async (route) => route.fulfill({ json: { ...await (await route.fetch()).json(), ...hum } }));
+  const idle = idleOf({ ...warningOf([{ kind: 'readings', text: 'y1 is gated' }]), start_utc: (await bench.get('/api/v1/dwell')).start_utc });
+  await late.route('**/api/v1/stream?traces', (route) =>
+    route.fulfill({ contentType: 'text/event-stream', body: `event: dwell\ndata: ${JSON.stringify(idle)}\n\n` }));
+  await late.goto(bench.url);
+  await late.locator('#warnings li', { hasText: /^hum at 50 Hz$/ }).waitFor({ timeout: PATIENCE_MS });
+  assert.deepEqual(await texts(late, '#warnings li'), ['hum at 50 Hz']);
+  assert.equal(await textOf(late, '#now-warnings-title'), 'Warnings of now, not of that dwell:');
+  assert.deepEqual(await texts(late, '#now-warnings li'), ['y1 is gated']);
+  await late.unrouteAll({ behavior: 'ignoreErrors' });
+  await late.close();
   bench.rig.say('start');
   await kind(page, 'measuring');
   await closePage(page);
