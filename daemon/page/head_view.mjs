@@ -29,23 +29,25 @@ function sinceText(view) {
   return ms === null ? null : `${instantText(ms, view.nowMs)} (${ageText((view.nowMs - ms) / 1e3)})`;
 }
 
-// What stands behind the state, in this order; what is not known is left out.
+// What stands behind the state, in this order; what is not known is left out. struck: it is not of now. The stream tells
+// of the dwell, the answers that are asked for tell of the rest: each may stop alone.
 function factsOf(view) {
   const { dwell, health } = view;
   const model = modelOf(dwell, view.verification);
   const limits = limitsText(dwell);
   const run = runFact(health, dwell);
+  const [streamOld, answersOld] = [view.fresh.dwellOld(view.now), view.fresh.answersOld(view.now)];
   const facts = [
-    ['source', playsRecording(health) ? 'recording, not live' : null, 'care'],
-    ['limits', limits?.text, limits?.tone],
-    ['warnings', warningsText(dwell), 'care'],
-    ['model', model?.text, model?.tone],
-    ['run', run?.text, run?.tone],
-    ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],
-    ['frequency', dwell && frequencyText(dwell)],
-    ['since', sinceText(view)],
+    ['source', playsRecording(health) ? 'recording, not live' : null, answersOld, 'care'],
+    ['limits', limits?.text, streamOld, limits?.tone],
+    ['warnings', warningsText(dwell), streamOld, 'care'],
+    ['model', model?.text, streamOld, model?.tone],
+    ['run', run?.text, answersOld, run?.tone],
+    ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null, streamOld],
+    ['frequency', dwell && frequencyText(dwell), streamOld],
+    ['since', sinceText(view), streamOld],
   ];
-  return facts.filter(([, text]) => text).map(([name, text, tone]) => ({ name, text, tone: tone ?? 'calm' }));
+  return facts.filter(([, text]) => text).map(([name, text, struck, tone]) => ({ name, text, struck, tone: tone ?? 'calm' }));
 }
 
 // A head that stays on the screen must not hide what the focus or a link goes to (WCAG 2.2, 2.4.11): the page keeps its
@@ -74,17 +76,18 @@ export function showHead(view) {
   const list = troubles(view);
   const rig = view.health?.rig ?? 'Dwell';
   setText($('rig'), rig);
-  document.title = readable(`${state.word} · ${rig}`);
+  document.title = readable(`${state.age ? 'last seen: ' : ''}${state.word} · ${rig}`);
   setAttributes($('state'), { 'data-tone': state.tone, 'data-kind': state.kind });
   showShape(state.doubted ? 'fault' : state.kind);
   setText($('word'), state.word);
   setText($('detail'), state.detail);
-  const old = view.fresh.gone(view.now);
+  setAttributes($('detail'), { class: state.age ? 'old' : '' });
+  setText($('detail-age'), state.age ? `last seen ${state.age} ago` : '');
   keyed($('facts'), factsOf(view), (fact) => fact.name,
     (fact) => h('div', {}, h('dt', {}, fact.name), h('dd', {})),
     (node, fact) => {
       setText(node.lastChild, fact.text);
-      setAttributes(node, { 'data-tone': fact.tone, class: old ? 'struck' : '' });
+      setAttributes(node, { 'data-tone': fact.tone, class: fact.struck ? 'struck' : '' });
     });
   keyed($('troubles'), list, (trouble) => trouble.text.replace(/[\d.]+ (s|min|h|d) ago/, ''),
     (trouble) => h('li', { 'data-tone': trouble.tone }, ''), (node, trouble) => setText(node, trouble.text));

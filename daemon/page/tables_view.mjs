@@ -14,12 +14,13 @@ const EVENTS_SHOWN = 100;
 const dateText = (iso, nowMs) => instantText(iso ? Date.parse(iso) : null, nowMs);
 const count = (n) => n.toLocaleString('en-GB').replaceAll(',', '\u202f');
 
-// Rows of { key, struck, tone, cells: [text…] }, the first cell a heading.
+// Rows of { key, struck, untold, tone, cells: [text…] }, the first cell a heading. untold: the service no longer tells of
+// it, so that nothing in the row is of now.
 function fillRows(body, rows) {
   keyed(body, rows, (row) => `${row.key} ${row.cells.length}`,
     (row) => h('tr', {}, ...row.cells.map((_, i) => (i === 0 ? h('th', { scope: 'row' }) : h('td', {}, h('span', {}))))),
     (node, row) => {
-      setAttributes(node, { class: row.struck ? 'struck' : '', 'data-tone': row.tone ?? 'calm' });
+      setAttributes(node, { class: [row.struck && 'struck', row.untold && 'untold'].filter(Boolean).join(' '), 'data-tone': row.tone ?? 'calm' });
       row.cells.forEach((text, i) => setText(i === 0 ? node.firstChild : node.children[i].firstChild, text));
     });
 }
@@ -35,7 +36,7 @@ function showChannels({ channels, health, fresh, now }) {
     const bad = !isWell(c);
     const overdue = c.calibration?.overdue === true;
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
-    return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s,
+    return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s, untold: old,
       cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, c.text,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,

@@ -50,10 +50,10 @@ export const warningsOf = (dwell) => dwell.warnings.map((text, i) => ({ text, ..
 // How many these are. null: none.
 export const warningsText = (dwell) => (dwell && warningsOf(dwell).length > 0 ? String(warningsOf(dwell).length) : null);
 
-// The state as the page must show it. view: { dwell, health, fresh, now, refused: nobody is logged
-// in, and nothing may be read }; dwell and health may be null.
-export function stateOf({ dwell, health, fresh, now, refused }) {
-  const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
+const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
+
+// What is so whatever the dwell; null: then the dwell tells the state.
+function stateOfService({ dwell, health, fresh, now, refused }) {
   if (refused) {
     return dwell ? said('locked', 'logged out', `what is shown is ${ageText(fresh.silence_s(now))} old; log in below to read`)
       : { ...said('locked', 'logged out', 'log in below to read'), tone: 'calm' };
@@ -67,6 +67,10 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
     return said('gone', 'service gone', `nothing heard for ${ageText(fresh.silence_s(now))}; trying again every second`);
   if (health?.status === 'fault') return said('fault', 'service fault', health.reason ?? 'no reason stated');
   if (hasEnded(health)) return said('complete', 'recording ended', 'it has been played to its end');
+  return null;
+}
+
+function stateOfDwell(dwell) {
   if (dwell.state === 'fault') return said('fault', 'fault', dwell.settling_reason || 'the data do not suffice');
   if (dwell.state === 'settling') {
     return said('settling', 'settling', isNumber(dwell.settles_in_s) ? `about ${ageText(dwell.settles_in_s)} left`
@@ -80,6 +84,16 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
   }
   if (dwell.state === 'complete') return said('complete', 'complete', dwell.settling_reason || `ended by: ${dwell.ended_by}`);
   return said('idle', 'idle', dwell.settling_reason || 'the table does not move');
+}
+
+// The state as the page must show it: { kind, word, detail, tone, doubted, age }. age: how old this is, as text, where that
+// is too old while the service answers; else null. view: { dwell, health, fresh, now, refused: nobody is logged in, and
+// nothing may be read }; dwell and health may be null.
+export function stateOf(view) {
+  const state = stateOfService(view);
+  if (state) return { ...state, age: null };
+  const { dwell, fresh, now } = view;
+  return { ...stateOfDwell(dwell), age: fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null };
 }
 
 // Why a dwell's model has no verdict yet. verification: the newest of the run, which may be of a dwell before.

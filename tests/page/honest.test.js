@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
 import { Bench, openBrowser, PATIENCE_MS, SIZES, TOKEN, until } from './bench.js';
+import { dwellOf } from './sample.js';
 
 let browser;
 let bench;
@@ -177,6 +178,57 @@ test('after a logout the page begins anew: nothing that was read stays in it', a
   await page.click('#operate-logout');
   await page.waitForFunction(() => window.before === undefined);
   await page.locator('#operate-login').waitFor();
+  await page.close();
+});
+
+const isStruck = (page, selector) => page.evaluate((s) => {
+  const nodes = [...document.querySelectorAll(s)].filter((node) => node.innerText !== '');
+  const lined = (node) => node !== document.body && (getComputedStyle(node).textDecorationLine === 'line-through' || lined(node.parentElement));
+  return nodes.length > 0 && nodes.every(lined);
+}, selector);
+
+// A stream of which only the first word comes, while all that is asked for is answered.
+async function openStalled() {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  const moved = { stiffness: { change: 0.011, U95: 0.012, moved: false }, damping: { change: 0.02, U95: 0.03, moved: false } };
+  const { start_utc } = dwellOf();
+  const dwell = dwellOf({ since: { index: 2, start_utc, end_s: 8, elements: [1, 2].map((k) => ({ k, ...moved })) },
+    limits: [{ element: 1, coefficient: 'stiffness', low: 1, high: 2, unit: 'N/m', verdict: 'violated', reason: null }] });
+  await page.route('**/api/v1/stream?traces', (route) => route.fulfill({ contentType: 'text/event-stream',
+    body: `retry: 600000\nevent: dwell\ndata: ${JSON.stringify(dwell)}\n\n` }));
+  await page.goto(bench.url);
+  return page;
+}
+
+test('when the stream says nothing more, all that it told is marked as old, in the head as well', async () => {
+  const page = await openStalled();
+  await said(page, '#facts', /limits\s*1 violated/);
+  assert.equal(await isStruck(page, '#detail'), false);
+  await said(page, '#troubles', /^old numbers, from [\d.]+ s ago: the service answers/);
+  for (const fact of ['limits', 'dwell', 'frequency'])
+    assert.equal(await page.locator('#facts > .struck', { hasText: new RegExp(`^${fact}`) }).count(), 1, fact);
+  assert.equal(await page.locator('#facts > .struck', { hasText: /^run/ }).count(), 0, 'that is asked for');
+  assert.equal(await isStruck(page, '#detail'), true);
+  assert.match(await page.locator('#state p').innerText(), /^measuring 10\.0 s of data last seen [\d.]+ s ago$/);
+  await said(page, '.element:first-child .coefficient:first-child .deviation', /^\+1\.1 ± 1\.2 % since dwell 2$/);
+  assert.equal(await isStruck(page, '.deviation'), true);
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
+test('when the service is gone, the status of a channel is struck as its reading is', async () => {
+  const page = await open();
+  const status = '#channel-rows td:nth-child(2) span';
+  await page.locator(status, { hasText: /^ok$/ }).first().waitFor();
+  assert.equal(await isStruck(page, status), false);
+  bench.service.signal('SIGSTOP');
+  await page.waitForSelector('#state[data-kind=gone]');
+  await page.waitForFunction(() => !document.querySelector('#channel-rows tr:not(.struck)'));
+  assert.equal(await isStruck(page, status), true);
+  assert.equal(await isStruck(page, '#channel-rows td:nth-child(4) span'), false, 'the age goes on');
+  bench.service.signal('SIGCONT');
+  await page.waitForSelector('#state[data-kind=measuring]');
   await page.close();
 });
 

@@ -29,6 +29,18 @@ test('the state is one word, what belongs to it, and a colour only where it is a
     'fault alarm: service fault, thread estimate stands still');
 });
 
+// "33.7 s of data" stood unmarked while the stream told nothing more.
+test('a state that the stream no longer renews has its age', () => {
+  for (const dwell of [dwellOf(), settlingOf(), idleOf()]) {
+    const view = viewOf(dwell);
+    view.fresh.answered(106); // what is asked for still comes
+    assert.equal(stateOf(view).age, null);
+    assert.equal(stateOf({ ...view, now: 106 }).age, '6.0 s', dwell.state);
+    assert.equal(stateOf({ ...view, now: 106 }).kind, dwell.state);
+  }
+  assert.equal(stateOf(viewOf(dwellOf(), { now: 112 })).age, null, 'the service is gone: the words say for how long');
+});
+
 test('numbers that are doubted are an alarm in the first line', () => {
   const doubt = { elements: [2], what: 'r_2 is negative' };
   assert.equal(said(viewOf(dwellOf({ doubts: [doubt] }))), 'measuring alarm: measuring, 10.0 s of data; do not rely on element 2');
