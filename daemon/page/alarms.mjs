@@ -40,9 +40,19 @@ export function waitingText(list) {
 }
 
 // How an alarm is acknowledged where the page has no button for it; '': it has, or nothing waits. rights: as
-// /api/v1/rights tells them; host: that the page came from.
-export function howToAcknowledge(list, rights, host) {
+// /api/v1/rights tells them; host: that the page came from; wall: it is a wall display, on which nobody logs in.
+export function howToAcknowledge(list, rights, host, wall) {
   if (!list?.unacknowledged || rights.change) return '';
   const here = /^(localhost|127\..*|\[::1\])$/.test(host) ? 'this computer' : 'the computer of the service';
-  return `To acknowledge: ${rights.token ? 'log in below, or ' : ''}dwellctl acknowledge NAME on ${here}. Each alarm has its NAME beside it.`;
+  const page = wall ? 'log in to this page on another computer, without ?kiosk, or ' : 'log in below, or ';
+  return `To acknowledge: ${rights.token ? page : ''}dwellctl acknowledge NAME on ${here}. Each alarm has its NAME beside it.`;
+}
+
+// At most these are named; more are counted.
+const NAMED = 3;
+
+// "alarms “NAME”, “NAME” and 2 more": those that find no room.
+export function unseenText(names) {
+  const more = names.length - NAMED;
+  return `${names.length > 1 ? 'alarms' : 'alarm'} ${names.slice(0, NAMED).map((name) => `“${name}”`).join(', ')}${more > 0 ? ` and ${more} more` : ''}`;
 }

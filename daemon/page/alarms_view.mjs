@@ -1,10 +1,11 @@
 // The alarms on the page, and their acknowledgement by whoever has the right.
 import { alarmRows, howToAcknowledge, waitingText } from './alarms.mjs';
-import { h, keyed, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, readable, setAttributes, setText, show } from './dom.mjs';
 import { ageText } from './number.mjs';
 import { give, noteText, whileDisabled } from './order.mjs';
 
 const $ = (id) => document.getElementById(id);
+const kiosk = new URLSearchParams(location.search).has('kiosk');
 
 const underWay = new Set(); // names of the alarms that are being acknowledged
 let note = null; // on the newest acknowledgement, as noteText takes it
@@ -47,7 +48,7 @@ export function showAlarms({ alarms, rights, fresh, now, nowMs }, changed) {
   show($('alarm-line'), waiting !== null);
   setAttributes($('alarm-line'), { 'data-tone': waiting?.tone ?? 'calm' });
   setText($('alarm-link'), waiting === null ? '' : `${old ? `when last heard, ${ageText(fresh.answersAge_s(now))} ago: ` : ''}${waiting.text}`);
-  const how = howToAcknowledge(alarms, rights, location.hostname);
+  const how = howToAcknowledge(alarms, rights, location.hostname, kiosk);
   setText($('alarms-how'), how);
   const said = noteText(note, now);
   setText($('alarms-note'), said);
@@ -57,7 +58,7 @@ export function showAlarms({ alarms, rights, fresh, now, nowMs }, changed) {
   setText($('alarms-more'), alarms?.left_out ? `${alarms.left_out} more found no room in the list.` : '');
   const place = focusedRow();
   keyed($('alarm-rows'), rows, (row) => row.name, (row) => makeRow(row, changed), (node, row) => {
-    setAttributes(node, { 'data-tone': row.tone });
+    setAttributes(node, { 'data-tone': row.tone, 'data-name': readable(row.name) });
     const [words, button] = node.children;
     setText(words.children[0], row.word);
     setText(words.children[1], row.text);

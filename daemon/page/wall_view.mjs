@@ -1,20 +1,30 @@
 // A wall display has no hands to scroll. Where the elements find no room they are set closer; what finds none then is
 // named at the foot.
+import { unseenText } from './alarms.mjs';
 import { setText, show } from './dom.mjs';
 
 const $ = (id) => document.getElementById(id);
 const kiosk = new URLSearchParams(location.search).has('kiosk');
 
-// Alarms are counted in the head. Of the traces the strip itself counts, not what is free below it.
+// Of the traces the strip itself counts, not what is free below it.
 const PARTS = [['warnings', 'warnings of the dwell'], ['now-warnings', 'warnings of now'], ['legend', 'notes on the coefficients'], ['trace-plot', 'traces'],
   ['phasor-notes', 'warnings of channels']];
 
 const bottomOf = (node) => node.getBoundingClientRect().bottom; // 0 where it is hidden
 
+// Names of the alarms that nobody reads there. The first one that waits stands in the head, unless that is cut.
+function unseenAlarms(foot_px) {
+  const line = $('alarm-line');
+  const whole = !line.hidden && line.scrollHeight <= line.clientHeight + 1;
+  return [...$('alarm-rows').children].filter((row, i) => bottomOf(row) > foot_px && !(whole && i === 0)).map((row) => row.dataset.name);
+}
+
 function beyond(foot_px) {
   const elements = [...$('elements').children];
   const first = elements.findIndex((item) => bottomOf(item) > foot_px);
   const parts = PARTS.filter(([id]) => bottomOf($(id)) > foot_px).map(([, name]) => name);
+  const alarms = unseenAlarms(foot_px);
+  if (alarms.length > 0) parts.push(unseenText(alarms));
   if (first < 0) return parts;
   const [from, to] = [first + 1, elements.length];
   return [from === to ? `element ${to}` : `elements ${from} … ${to}`, ...parts];

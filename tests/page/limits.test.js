@@ -1,7 +1,7 @@
 // Verdicts on limits, and alarms in words.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { alarmRows, howToAcknowledge, waitingText } from '../../daemon/page/alarms.mjs';
+import { alarmRows, howToAcknowledge, unseenText, waitingText } from '../../daemon/page/alarms.mjs';
 import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
 import { limitOf } from '../../daemon/page/limits.mjs';
 import { give, noteText } from '../../daemon/page/order.mjs';
@@ -118,4 +118,14 @@ test('where the page has no button for it, it says how else an alarm is acknowle
   assert.match(how({}), /^To acknowledge: dwellctl acknowledge NAME on this computer\. /);
   assert.match(how({}, 'rig-2.lab'), /on the computer of the service\. /);
   assert.equal(howToAcknowledge({ unacknowledged: 0, alarms: [] }, {}, ''), '');
+  // Nobody logs in at a wall display: it has no form for it.
+  const wall = (rights) => howToAcknowledge(list, { read: true, change: false, token: false, ...rights }, 'rig-2.lab', true);
+  assert.match(wall({ token: true }), /^To acknowledge: log in to this page on another computer, without \?kiosk, or dwellctl acknowledge NAME on the computer of the service\. /);
+  assert.match(wall({}), /^To acknowledge: dwellctl acknowledge NAME on/);
+});
+
+test('alarms that find no room on a wall display are named, more than three counted', () => {
+  assert.equal(unseenText(['clock']), 'alarm “clock”');
+  assert.equal(unseenText(['clock', 'log']), 'alarms “clock”, “log”');
+  assert.equal(unseenText(['clock', 'log', 'channel:y1', 'channel:y2', 'channel:y3']), 'alarms “clock”, “log”, “channel:y1” and 2 more');
 });

@@ -137,6 +137,30 @@ test('a wall display says that it has no room for traces exactly where none are 
   await page.close();
 });
 
+// The second alarm was readable nowhere: the head has the first one, and the list is below the screen.
+test('alarms that find no room on a wall display are named at its foot, and no text of the head ends without a mark', async () => {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 1024 } });
+  page.setDefaultTimeout(PATIENCE_MS);
+  const now = new Date().toISOString();
+  const alarm = (name, text) => ({ name, text, state: 'unacknowledged', since: now, changed: now, count: 1, acknowledged_by: null, comment: null });
+  const limit = 'limit violated: stiffness of element 2 is 7.999 ± 0.018 kN/m, outside 12.00 to 13.00 kN/m';
+  let alarms = [alarm('limit:stiffness:2', limit), alarm('channel:y3', 'channel y3: timeout')];
+  await page.route('**/api/v1/alarms', (route) => route.fulfill({ json: { unacknowledged: alarms.length, left_out: 0, alarms } }));
+  await page.goto(`${bench.url}/?kiosk`);
+  await page.locator('#beyond', { hasText: /, alarm “channel:y3”$/ }).waitFor();
+  const cut = () => page.evaluate(() => {
+    const [line, text] = ['alarm-line', 'alarm-link'].map((id) => document.getElementById(id));
+    return { cut: line.scrollHeight > line.clientHeight + 1 || text.getBoundingClientRect().right > line.getBoundingClientRect().right, mark: getComputedStyle(line).webkitLineClamp === '2' };
+  });
+  assert.deepEqual(await cut(), { cut: false, mark: true });
+  assert.match(await page.locator('#alarms-how').innerText(), /^To acknowledge: log in to this page on another computer, without \?kiosk, or dwellctl acknowledge NAME/);
+  alarms = [alarm('limit:stiffness:2', `${limit}; `.repeat(3)), ...alarms.slice(1)];
+  await page.locator('#beyond', { hasText: /, alarms “limit:stiffness:2”, “channel:y3”$/ }).waitFor();
+  assert.deepEqual(await cut(), { cut: true, mark: true });
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
 test('thirteen elements fit on a wall display', async () => {
   const many = await Bench.begin(chainOf(12));
   try {
