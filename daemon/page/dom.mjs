@@ -17,6 +17,9 @@ function fill(node, attributes, children) {
 export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
 export const s = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
 
+// The head of a table's row: a name, which may be long.
+export const rowHead = (text = '') => h('th', { scope: 'row' }, h('span', { class: 'label' }, text));
+
 export function setText(node, given) {
   const text = readable(given);
   const only = node.childNodes.length === 1 && node.firstChild.nodeType === Node.TEXT_NODE ? node.firstChild : null;

@@ -1,6 +1,6 @@
 // Draws the chain as it moves at the drive frequency, slowed down. It can be halted, and stands from the beginning
 // where the browser asks for less motion (WCAG 2.2.2): at its greatest deflection, which shows the shape.
-import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, rowHead, s, setAttributes, setText, show } from './dom.mjs';
 import { barOf, displacedAt, fullestPart, modeShapeOf, reachOf } from './mode_shape.mjs';
 import { isNumber, NO_NUMBER, percentText, plainText } from './number.mjs';
 
@@ -45,7 +45,7 @@ function showHarmonics(dwell) {
   show($('harmonics'), count > 0);
   keyed($('harmonic-heads'), ['channel', ...Array.from({ length: count }, (_, i) => `${i + 2} f`)], (t) => t, (t) => h('th', { scope: 'col' }, t));
   keyed($('harmonic-rows'), dwell.phasors.filter((p) => p.valid), (p) => `${p.channel} ${count}`,
-    (p) => h('tr', {}, h('th', { scope: 'row' }, p.channel), ...Array.from({ length: count }, () => h('td'))),
+    (p) => h('tr', {}, rowHead(p.channel), ...Array.from({ length: count }, () => h('td'))),
     (row, p) => Array.from({ length: count }, (_, i) => setText(row.children[i + 1], isNumber(p.harmonics[i]) ? percentText(p.harmonics[i]) : NO_NUMBER)));
 }
 

@@ -1,16 +1,30 @@
 // The polar picture and the table beside it.
 import { channelWarnings } from './coefficients.mjs';
-import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, rowHead, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText } from './number.mjs';
-import { placeLabels, polarOf, scalesText } from './polar.mjs';
+import { placeLabels, polarOf, scalesText, shortNames } from './polar.mjs';
 
 const $ = (id) => document.getElementById(id);
 const RADIUS = 100;
-const LABEL = { size: 12, gap: 15 }; // of the names: their letters, and the distance between two lines
+// Of the names: their letters, the distance between two lines, where they begin, and their room beside the circle
+// (index.html: the picture reaches to 172).
+const LABEL = { size: 12, gap: 15, at: RADIUS + 15, room: 172 - RADIUS - 16 };
+
+// The names as they have room in the picture. Its letters are measured once for each set of names.
+const measure = document.createElement('canvas').getContext('2d');
+let labels = { of: null, names: [] };
+function labelsOf(channels) {
+  const of = channels.join('\n');
+  if (labels.of !== of) {
+    measure.font = `${LABEL.size}px ${getComputedStyle($('polar')).fontFamily}`;
+    labels = { of, names: shortNames(channels, (text) => measure.measureText(text).width <= LABEL.room) };
+  }
+  return labels.names;
+}
 
 function makeArrow(arrow) {
   return s('g', { class: 'arrow' }, s('line', { class: 'shaft' }), s('ellipse', { class: 'ellipse' }), s('circle', { r: 2.5, class: 'tip' }),
-    s('line', { class: 'leader' }), s('text', {}, arrow.channel));
+    s('line', { class: 'leader' }), s('text', {}), s('title', {}, arrow.channel));
 }
 
 function renewArrow(node, arrow, units) {
@@ -20,10 +34,11 @@ function renewArrow(node, arrow, units) {
   setAttributes(ellipse, { rx: arrow.radial.toFixed(2), ry: arrow.tangential.toFixed(2),
     transform: `translate(${arrow.x.toFixed(1)} ${arrow.y.toFixed(1)}) rotate(${arrow.degrees.toFixed(1)})` });
   setAttributes(tip, { cx: arrow.x.toFixed(1), cy: arrow.y.toFixed(1) });
-  const end = arrow.side * (RADIUS + 12);
+  const end = arrow.side * (LABEL.at - 3);
   setAttributes(leader, { x1: arrow.x.toFixed(1), y1: arrow.y.toFixed(1), x2: end, y2: arrow.at.toFixed(1) });
   const size = LABEL.size * arrow.gap / LABEL.gap;
-  setAttributes(text, { x: end + 3 * arrow.side, y: (arrow.at + size / 3).toFixed(1), 'font-size': size.toFixed(1), 'text-anchor': arrow.side < 0 ? 'end' : 'start' });
+  setAttributes(text, { x: arrow.side * LABEL.at, y: (arrow.at + size / 3).toFixed(1), 'font-size': size.toFixed(1), 'text-anchor': arrow.side < 0 ? 'end' : 'start' });
+  setText(text, arrow.label);
 }
 
 const degrees = (rad) => {
@@ -74,7 +89,8 @@ export function showPhasors(view) {
   const settled = view.dwell.settled_s !== null;
   const polar = polarOf(view.dwell.phasors, RADIUS, settled);
   const units = polar.scales.map((scale) => scale.unit);
-  const arrows = placeLabels(polar.arrows, LABEL.gap, RADIUS);
+  const names = labelsOf(polar.arrows.map((arrow) => arrow.channel));
+  const arrows = placeLabels(polar.arrows.map((arrow, i) => ({ ...arrow, label: names[i] })), LABEL.gap, RADIUS);
   show($('polar'), arrows.length > 0);
   const ended = view.dwell.state === 'complete';
   setAttributes($('polar'), { class: ended || view.fresh.dwellOld(view.now) ? 'old' : '' });
@@ -85,12 +101,12 @@ export function showPhasors(view) {
   const rows = rowsOf(view);
   setText($('phasors-note'), arrows.length > 0 ? noteOf(view.dwell) : '');
   keyed($('phasor-rows'), rows, (row) => `${row.key} ${row.reason !== undefined}`,
-    (row) => (row.reason !== undefined ? h('tr', {}, h('th', { scope: 'row' }, row.key), h('td', { colspan: 4, class: 'words' }))
-      : h('tr', {}, h('th', { scope: 'row' }, row.key), ...Array.from({ length: 4 }, () => h('td', {}, h('span', {}))))),
+    (row) => (row.reason !== undefined ? h('tr', {}, rowHead(), h('td', { colspan: 4, class: 'words' }))
+      : h('tr', {}, rowHead(), ...Array.from({ length: 4 }, () => h('td', {}, h('span', {}))))),
     (node, row) => {
       setAttributes(node, { class: row.struck ? 'struck' : '' });
-      if (row.reason !== undefined) return setText(node.lastChild, row.reason);
-      row.cells.slice(1).forEach((text, i) => setText(node.children[i + 1].firstChild, text));
-      return setText(node.firstChild, row.struck ? `${row.key}, ${row.struck} old` : row.key);
+      setText(node.firstChild.firstChild, row.struck && row.reason === undefined ? `${row.key}, ${row.struck} old` : row.key);
+      if (row.reason !== undefined) setText(node.lastChild, row.reason);
+      else row.cells.slice(1).forEach((text, i) => setText(node.children[i + 1].firstChild, text));
     });
 }

@@ -57,3 +57,36 @@ export function placeLabels(arrows, gap, reach) {
   }
   return placed;
 }
+
+// The text with "…" in its middle, as long as fits; beginning and end are what tells names apart.
+export function shortened(text, fits) {
+  if (fits(text)) return text;
+  const letters = [...text];
+  for (let kept = letters.length - 1; kept > 0; --kept) {
+    const head = Math.ceil(kept / 2);
+    const short = `${letters.slice(0, head).join('')}…${letters.slice(letters.length - kept + head).join('')}`;
+    if (fits(short)) return short;
+  }
+  return '…';
+}
+
+// From the first letter in which it differs from the others: their beginnings are the same.
+function fromDifference(name, others, fits) {
+  const [letters, all] = [[...name], others.map((other) => [...other])];
+  const at = letters.findIndex((letter, i) => all.some((other) => other[i] !== letter));
+  const rest = letters.slice(Math.max(at, 0));
+  for (let kept = rest.length; kept > 0; --kept) {
+    const short = `…${rest.slice(0, kept).join('')}${kept < rest.length ? '…' : ''}`;
+    if (fits(short)) return short;
+  }
+  return '…';
+}
+
+// A text for each of these different names, each another one. fits(text): it has room. What is left out is marked by "…".
+// Names that are alike beyond all this have their place in the list before the "…".
+export function shortNames(names, fits) {
+  const short = names.map((name) => shortened(name, fits));
+  const others = (list, i) => names.filter((_, j) => j !== i && list[j] === list[i]);
+  const told = short.map((text, i) => (others(short, i).length > 0 ? fromDifference(names[i], others(short, i), fits) : text));
+  return told.map((text, i) => (others(told, i).length > 0 ? `${i + 1}${text.startsWith('…') ? '' : '…'}${text}` : text));
+}

@@ -1,7 +1,7 @@
 // Channels, devices, events, dwells and runs: tables that are renewed where something changed.
 import { openDwell } from './dwell_view.mjs';
 import { about, COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
-import { h, keyed, readable, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, readable, rowHead, setAttributes, setText, show } from './dom.mjs';
 import { beginEarlier, earlierDwells, runOfDwell } from './earlier_view.mjs';
 import { limitOf, SHAPES } from './limits.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
@@ -18,10 +18,10 @@ const count = (n) => n.toLocaleString('en-GB').replaceAll(',', '\u202f');
 // it, so that nothing in the row is of now.
 function fillRows(body, rows) {
   keyed(body, rows, (row) => `${row.key} ${row.cells.length}`,
-    (row) => h('tr', {}, ...row.cells.map((_, i) => (i === 0 ? h('th', { scope: 'row' }) : h('td', {}, h('span', {}))))),
+    (row) => h('tr', {}, ...row.cells.map((_, i) => (i === 0 ? rowHead() : h('td', {}, h('span', {}))))),
     (node, row) => {
       setAttributes(node, { class: [row.struck && 'struck', row.untold && 'untold'].filter(Boolean).join(' '), 'data-tone': row.tone ?? 'calm' });
-      row.cells.forEach((text, i) => setText(i === 0 ? node.firstChild : node.children[i].firstChild, text));
+      row.cells.forEach((text, i) => setText(node.children[i].firstChild, text));
     });
 }
 

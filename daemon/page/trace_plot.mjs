@@ -1,11 +1,14 @@
 // Draws traces on a canvas: one lane a channel, each with a scale of its own; time and cursors below.
 import { readable } from './dom.mjs';
 import { ageText, plainText } from './number.mjs';
+import { shortened, shortNames } from './polar.mjs';
 
 const LEFT = 8; // px, room before the first bin
 const FOOT = 22; // px, for the times
 const SHARPEST = 2; // device pixels for one of the page's at most: more costs time and shows nothing
 const LABEL = 12; // px
+// Room for a channel's name: part of the width, and px at least.
+const NAME = { part: 0.2, least: 130 };
 
 // Where a scale ends: the next of 1, 2, 5 · 10^n, so that it does not follow every reading.
 function rounded(extent) {
@@ -28,6 +31,7 @@ export class TracePlot {
   #canvas;
   #context;
   #style;
+  #short = { of: null, width: 0, names: [] }; // measured once for each set of names and width
 
   constructor(canvas) {
     this.#canvas = canvas;
@@ -65,8 +69,19 @@ export class TracePlot {
     this.#marks(view, width, height);
     const lane = (height - FOOT) / Math.max(window.names.length, 1);
     c.lineWidth = 1;
-    window.names.forEach((name, channel) => this.#lane(window, channel, view, channel * lane, lane, ages[channel] ?? null));
+    const names = this.#namesOf(window.names, width);
+    window.names.forEach((_, channel) => this.#lane(window, channel, names[channel], view, channel * lane, lane, ages[channel] ?? null));
     for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height);
+  }
+
+  // Names that are cut stand in full in the canvas' title, in their order.
+  #namesOf(of, width) {
+    if (this.#short.of === of && this.#short.width === width) return this.#short.names;
+    const [whole, room] = [of.map(readable), Math.max(NAME.least, NAME.part * width)];
+    const names = shortNames(whole, (text) => this.#context.measureText(text).width <= room);
+    this.#short = { of, width, names };
+    this.#canvas.title = names.some((name, i) => name !== whole[i]) ? `From above: ${whole.join(', ')}` : '';
+    return names;
   }
 
   #marks(view, width, height) {
@@ -108,7 +123,7 @@ export class TracePlot {
     return { middle, half: rounded(half || Math.abs(middle) * 1e-3) };
   }
 
-  #lane(window, channel, view, top, height, age) {
+  #lane(window, channel, name, view, top, height, age) {
     const c = this.#context;
     const [from, to] = TracePlot.#visible(window, view);
     const scale = this.#scale(window, channel, from, to);
@@ -144,12 +159,12 @@ export class TracePlot {
       c.stroke();
     }
     const old = age === null ? '' : `\u25b2 old, ${lastText(age, window)}  `;
-    this.#label(`${window.names[channel]}  ${old}`, scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}` : 'no reading here', top);
+    this.#label(`${name}  ${old}`, scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}` : 'no reading here', top);
   }
 
   #label(name, scale, top) {
     const c = this.#context;
-    const text = readable(`${name}${scale}`);
+    const text = shortened(readable(`${name}${scale}`), (part) => c.measureText(part).width <= this.#canvas.clientWidth - 10);
     c.textAlign = 'left';
     c.fillStyle = this.#style.sheet;
     c.fillRect(0, top + 1, c.measureText(text).width + 10, LABEL + 3);

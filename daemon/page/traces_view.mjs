@@ -1,6 +1,6 @@
 // The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps the readings (10 min to 20 ms),
 // so a page that is paused loses nothing: it asks for what it shows.
-import { h, setAttributes, setText, show } from './dom.mjs';
+import { h, rowHead, setAttributes, setText, show } from './dom.mjs';
 import { ageText, isNumber, NO_NUMBER, plainText } from './number.mjs';
 import { whileDisabled } from './order.mjs';
 import { lastText, TracePlot } from './trace_plot.mjs';
@@ -362,11 +362,11 @@ export class TracesView {
     const rows = $('trace-rows');
     while (rows.children.length > this.#window.names.length) rows.lastChild.remove();
     this.#window.names.forEach((name, c) => {
-      const row = rows.children[c] ?? rows.appendChild(h('tr', {}, h('th', { scope: 'row' }), h('td'), h('td'), h('td')));
+      const row = rows.children[c] ?? rows.appendChild(h('tr', {}, rowHead(), h('td'), h('td'), h('td')));
       const unit = this.#window.units[c];
       const [at, bt] = [this.#window.at(c, a), this.#window.at(c, b)];
       const texts = [name, cell(at, unit), cell(bt, unit), text(at && bt ? middle(bt) - middle(at) : null, unit)];
-      texts.forEach((value, i) => setText(row.children[i], value));
+      texts.forEach((value, i) => setText(i === 0 ? row.firstChild.firstChild : row.children[i], value));
     });
   }
 }

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
 import { deviationOf, History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
-import { placeLabels, polarOf, scalesText } from '../../daemon/page/polar.mjs';
+import { placeLabels, polarOf, scalesText, shortened, shortNames } from '../../daemon/page/polar.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, settlingOf } from './sample.js';
 
@@ -164,4 +164,17 @@ test('the budget says what to do about the largest part, noise of all channels a
   assert.equal(adviceOn({ source: 'delay of line', kind: 'delay', device: 'line' }), 'measure the delay of line');
   assert.equal(adviceOn({ source: 'turnaround of line (y0, y1)', kind: 'turnaround', device: 'line' }), 'measure the delay of line');
   assert.equal(adviceOn({ source: 'errors to second order', kind: 'second order' }), 'look at: errors to second order');
+});
+
+// Cut without a mark, long names of one rig looked alike.
+test('a name that finds no room has … where it is cut, and no two look alike', () => {
+  const fits = (text) => [...text].length <= 9;
+  assert.equal(shortened('reaction', fits), 'reaction');
+  assert.equal(shortened('acceleration', fits), 'acce…tion');
+  assert.equal(shortened('x', () => false), '…');
+  assert.deepEqual(shortNames(['y0', 'suspension front left', 'suspension front right'], fits), ['y0', 'susp…left', 'susp…ight']);
+  const middle = ['tower of the rig, mass 1, displacement', 'tower of the rig, mass 2, displacement'];
+  assert.deepEqual(shortNames(middle, fits), ['…1, disp…', '…2, disp…']);
+  const three = ['1234 a long 567 name 1234', '1234 a long 568 name 1234', '1234 b long 567 name 1234'];
+  assert.equal(new Set(shortNames(three, fits)).size, 3);
 });
