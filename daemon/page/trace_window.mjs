@@ -1,5 +1,6 @@
 // A stretch of the traces as the page keeps it: the least and the greatest reading of each bin, by channel, in arrays of
 // fixed length. Pure.
+import { isNumber, joined, NO_NUMBER, numberText, plainText } from './number.mjs';
 
 // The width of the bins that the stream tells of; every other width is this times or divided by a power of 4.
 const LIVE_STEP_S = 0.02;
@@ -104,6 +105,23 @@ export class TraceWindow {
           return { low: this.low(channel, i), high: this.high(channel, i) };
     return null;
   }
+}
+
+// A number in the unit of its channel, without a prefix that would differ from cursor to cursor.
+function inUnit(value, half, unit) {
+  if (!isNumber(value)) return NO_NUMBER;
+  return `${half > 0 ? joined(numberText(value, half, '')) : plainText(value, '', 5)} ${unit}`;
+}
+
+// What two cursors read, { A, B, difference } as text. ± is half the distance between the least and the greatest reading of
+// the bin: a bound, in which every reading lies, and no standard uncertainty. So the two are added for the difference. The
+// root of the sum of squares would hold for independent errors; of the readings of one motion nothing says that they are
+// independent. A bin with one reading has no ±. a, b: as TraceWindow.at() gives them.
+export function cursorTexts(a, b, unit) {
+  const middle = (bin) => (bin ? (bin.low + bin.high) / 2 : null);
+  const half = (bin) => (bin ? (bin.high - bin.low) / 2 : 0);
+  return { A: inUnit(middle(a), half(a), unit), B: inUnit(middle(b), half(b), unit),
+    difference: inUnit(a && b ? middle(b) - middle(a) : null, half(a) + half(b), unit) };
 }
 
 const cell = (value) => (value === null ? '' : String(value));

@@ -1,10 +1,10 @@
 // The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps the readings (10 min to 20 ms),
 // so a page that is paused loses nothing: it asks for what it shows.
 import { h, rowHead, setAttributes, setText, show } from './dom.mjs';
-import { ageText, isNumber, NO_NUMBER, plainText } from './number.mjs';
+import { ageText, isNumber, plainText } from './number.mjs';
 import { whileDisabled } from './order.mjs';
 import { lastText, TracePlot } from './trace_plot.mjs';
-import { agesOf, csvName, csvOf, TraceWindow } from './trace_window.mjs';
+import { agesOf, csvName, csvOf, cursorTexts, TraceWindow } from './trace_window.mjs';
 
 const $ = (id) => document.getElementById(id);
 const SPANS = { least: 0.02, most: 2 * 3600, usual: 10 }; // s, what may be in view
@@ -356,17 +356,12 @@ export class TracesView {
   #read([a, b]) {
     const between = Math.abs(b - a);
     setText($('trace-between'), `B \u2212 A: ${(1e3 * (b - a)).toFixed(2)} ms${between > 0 ? `; 1/|B \u2212 A| = ${plainText(1 / between, 'Hz', 4)}` : ''}`);
-    const middle = (bin) => (bin ? (bin.low + bin.high) / 2 : null);
-    const text = (value, unit) => (value === null ? NO_NUMBER : `${plainText(value, '', 5)} ${unit}`);
-    const cell = (bin, unit) => (bin && bin.high > bin.low ? `${text(middle(bin), unit)} ±${plainText((bin.high - bin.low) / 2, '', 2)}` : text(middle(bin), unit));
     const rows = $('trace-rows');
     while (rows.children.length > this.#window.names.length) rows.lastChild.remove();
     this.#window.names.forEach((name, c) => {
       const row = rows.children[c] ?? rows.appendChild(h('tr', {}, rowHead(), h('td'), h('td'), h('td')));
-      const unit = this.#window.units[c];
-      const [at, bt] = [this.#window.at(c, a), this.#window.at(c, b)];
-      const texts = [name, cell(at, unit), cell(bt, unit), text(at && bt ? middle(bt) - middle(at) : null, unit)];
-      texts.forEach((value, i) => setText(i === 0 ? row.firstChild.firstChild : row.children[i], value));
+      const { A, B, difference } = cursorTexts(this.#window.at(c, a), this.#window.at(c, b), this.#window.units[c]);
+      [name, A, B, difference].forEach((value, i) => setText(i === 0 ? row.firstChild.firstChild : row.children[i], value));
     });
   }
 }

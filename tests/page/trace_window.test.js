@@ -1,7 +1,7 @@
 // What the page keeps of the traces, and what it saves of them; without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { agesOf, csvName, csvOf, TraceWindow } from '../../daemon/page/trace_window.mjs';
+import { agesOf, csvName, csvOf, cursorTexts, TraceWindow } from '../../daemon/page/trace_window.mjs';
 
 const channel = (min, max, breaks = []) => ({ name: 'y0', unit: 'mm', min, max, breaks });
 const answerOf = (changes = {}) => ({ origin_utc: '2026-11-23T07:00:00.000000Z', step_s: 0.02, from_s: 2, bins: 3, less_dwell: null, channels: [channel([1, null, 3], [2, null, 4], [2])], ...changes });
@@ -70,6 +70,17 @@ test('a cursor reads the bin under it, or the nearest reading beside it', () => 
   assert.deepEqual(window.at(0, 2.001), { low: 1, high: 2 });
   assert.deepEqual(window.at(0, 2.03), { low: 1, high: 2 });
   assert.equal(window.at(0, 2.5), null);
+});
+
+test('cursors read value and difference with their ± and unit, the digits as ± has them', () => {
+  const [a, b] = [{ low: 5.1234, high: 5.1481 }, { low: 7.2, high: 7.3 }];
+  assert.deepEqual(cursorTexts(a, b, 'mm'), { A: '5.136 ± 0.012 mm', B: '7.250 ± 0.050 mm', difference: '2.114 ± 0.062 mm' });
+  assert.equal(cursorTexts(b, a, 'mm').difference, '\u22122.114 ± 0.062 mm');
+  assert.deepEqual(cursorTexts({ low: -0.3, high: 0.1 }, a, 'N').A, '\u22120.10 ± 0.20 N');
+  const one = { low: 5.12345678, high: 5.12345678 }; // one reading: within itself
+  assert.deepEqual(cursorTexts(one, b, 'mm'), { A: '5.1235 mm', B: '7.250 ± 0.050 mm', difference: '2.127 ± 0.050 mm' });
+  assert.equal(cursorTexts(one, one, 'mm').difference, '0 mm');
+  assert.deepEqual(cursorTexts(null, b, 'mm'), { A: '—', B: '7.250 ± 0.050 mm', difference: '—' });
 });
 
 test('CSV holds the numbers as the service gave them', () => {

@@ -122,16 +122,28 @@ test('two cursors tell time and value of each channel, and the difference', asyn
   const [ms, hz] = between.match(/([\d.]+) ms.* ([\d.]+) Hz/).slice(1).map(Number);
   assert.ok(Math.abs(ms - 0.8 * 312.5) < 0.1, between);
   assert.ok(Math.abs(hz * ms - 1000) < 1, between);
-  const rows = await page.locator('#trace-rows tr').allInnerTexts();
+  const rows = await page.locator('#trace-rows tr').evaluateAll((all) => all.map((row) => [...row.querySelectorAll('td')].map((cell) => cell.textContent)));
   assert.equal(rows.length, 5);
   for (const row of rows) {
-    const [a, b, difference] = row.replaceAll('\u2212', '-').match(/-?\d+\.?\d*(?= (?:mm|N)\b)/g).map(Number);
-    assert.ok(Math.abs(b - a - difference) < 2e-3 * (Math.abs(a) + Math.abs(b)) + 1e-3, row);
+    const [a, b, difference] = row.map((text) => {
+      const [, value, half, unit] = text.replaceAll('\u2212', '-').match(/^(-?[\d.]+)(?: ± ([\d.]+))? (mm|N)$/);
+      assert.equal(unit, row === rows.at(-1) ? 'N' : 'mm');
+      return { value: Number(value), half: Number(half ?? 0) };
+    });
+    // Each text is rounded to two digits of its ±, or to five digits.
+    assert.ok(Math.abs(b.value - a.value - difference.value) <= 0.05 * (a.half + b.half + difference.half) + 1e-3 * (Math.abs(a.value) + Math.abs(b.value)) + 1e-3, row.join());
+    assert.ok(Math.abs(a.half + b.half - difference.half) <= 0.1 * difference.half + 1e-9, row.join());
   }
   // A click moves the nearer one.
   const box = await page.locator('#trace-plot').boundingBox();
   await page.mouse.click(box.x + box.width / 4, box.y + box.height / 2);
   await page.waitForFunction(() => Math.abs(document.querySelector('#trace-A').value - 250) < 20);
+  // While live the bins are so wide that several readings are in each: all three numbers have ± and unit.
+  await page.focus('#trace-plot');
+  for (let i = 0; i < 5; ++i) await page.keyboard.press('-');
+  await page.keyboard.press('End');
+  const numbers = page.locator('#trace-rows tr', { hasText: 'y1' }).locator('td');
+  for (let i = 0; i < 3; ++i) await numbers.nth(i).filter({ hasText: /^\u2212?[\d.]+ ± [\d.]+ mm$/ }).waitFor();
 });
 
 test('less the steady part, what is left of a settled dwell is small', async () => {
