@@ -8,6 +8,7 @@
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
 #include "core/motion/level_crossings.hpp"
+#include "core/motion/noise_of_readings.hpp"
 #include "core/motion/weak_form.hpp"
 #include "core/result/dwell.hpp"
 
@@ -38,6 +39,8 @@ constexpr double kWanders = 1e-3;  // of the random walk of acceleration that al
 constexpr double kBeforeOnset = 1.0;
 constexpr double kUnseen = 1e-3;      // m, the table's amplitude where no channel shows it
 constexpr double kLeastNoise = 1e-3;  // of a channel's size, where readings hardly scatter from one to the next
+// Variance of ln σ: a noise that is known to no more than a factor e is not told from none.
+constexpr double kUntoldNoise = 1.0;
 
 class Course {
  public:
@@ -308,9 +311,41 @@ class Course {
     const MotionModel model(rig_, out_.parameters);
     out_.fit = fit_motion(model, out_.data, at_, last);
     out_.passes += out_.fit.passes;
+    if (MotionUnknowns with = out_.fit.at; raise_vanished_noise(with)) {
+      out_.fit = fit_motion(model, out_.data, std::move(with), last);
+      out_.passes += out_.fit.passes;
+    }
     if (!out_.fit.converged)
       refuse("the estimate with the stated uncertainties did not converge in " + std::to_string(out_.fit.passes) +
              " passes");
+  }
+
+  // Where the likelihood lets the noise of a channel vanish, the table's process or the chain has taken it up, and
+  // every uncertainty would be that of readings without noise. The noise is then no less than noise_of_readings() has
+  // it. Returns whether there is such a channel.
+  bool raise_vanished_noise(MotionUnknowns& at) {
+    if (!out_.fit.converged) return false;
+    bool raised = false;
+    for (Index a = 0; a < at.theta.size(); ++a) {
+      const Parameter& p = out_.parameters[static_cast<std::size_t>(a)];
+      const double variance = out_.fit.covariance(a, a);  // of ln σ; 0 at its bound
+      if (p.what != Unknown::noise || (variance > 0 && variance < kUntoldNoise && out_.fit.undetermined(a) < 0.5))
+        continue;
+      const double least = std::log(noise_of(p.index));
+      if (!std::isfinite(least) || least <= at.theta(a)) continue;
+      out_.limits.lowest(a) = at.theta(a) = least;
+      raised = true;
+    }
+    return raised;
+  }
+  [[nodiscard]] double noise_of(int channel) const {
+    std::vector<double> t, value;
+    for (const MotionReading& reading : out_.data.readings) {
+      if (reading.channel != channel) continue;
+      t.push_back(to_s(reading.t_ns - out_.data.readings.front().t_ns));
+      value.push_back(reading.value);
+    }
+    return noise_of_readings(t, value);
   }
 
   const Rig& rig_;
