@@ -29,7 +29,8 @@ class ProvisionalChain final : public ChainPoles {
   // Identifies the chain from these channels. false: they do not determine the chain, and the last one stays. O(n³).
   bool solve(double omega) noexcept;
 
-  // Time constant of the slowest mode of the chain solved last, s; 0: no masses. NaN: not known, or it does not decay.
+  // Time constant of the slowest mode of the chain solved last, s; 0: no masses; infinite: a mode does not decay. NaN:
+  // not known, none was solved.
   [[nodiscard]] double time_constant_s() const noexcept { return time_constant_s_; }
   void forget_time_constant() noexcept { time_constant_s_ = std::numeric_limits<double>::quiet_NaN(); }
 

@@ -97,7 +97,7 @@ std::string Pipeline::Impl::settling_reason() const {
       return taken_back_reason() + "transient left in " +
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times the allowed size" +
-             (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) &&
+             (rig.mass_count() > 0 && std::isinf(provisional_chain.time_constant_s()) &&
                       blocks().serials() - at.steady_serial > 10 * kQuarters
                   ? "; the coefficients so far give a chain whose oscillations grow: check signs, channel order and "
                     "masses"

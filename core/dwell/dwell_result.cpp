@@ -190,7 +190,7 @@ void Pipeline::Impl::tell_settled(Dwell& dwell) const {
   dwell.verdict_s = axis_s(at.verdict_ns);
   dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
   dwell.settles_in_s = 0.0;
-  if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && !modes.removal().active())
+  if (rig.mass_count() > 0 && std::isinf(provisional_chain.time_constant_s()) && !modes.removal().active())
     dwell.warnings.push_back({WarningKind::growing_chain,
                               "the chain identified while settling has oscillations that grow: the windows alone "
                               "judged the transient; check "

@@ -44,7 +44,7 @@ void ChainEigenvalues::update(std::span<const std::complex<double>> Z, double om
     if (lambda.imag() >= 0) eigenvalues_.push_back(lambda);
   std::sort(eigenvalues_.begin(), eigenvalues_.end(), [](const auto& a, const auto& b) { return a.real() > b.real(); });
   const double rate = -eigenvalues_.front().real();
-  if (rate > 0) time_constant_s_ = 1 / rate;
+  time_constant_s_ = rate > 0 ? 1 / rate : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace dwell

@@ -20,8 +20,8 @@ class ChainEigenvalues {
 
   // Z: dynamic stiffness of each element (N/m, N·m/rad) at omega (rad/s). O(n³).
   void update(std::span<const std::complex<double>> Z, double omega) noexcept;
-  // 1 / min(-Re λ), s; 0 for a chain without masses. NaN if Z is not finite, the eigenvalues do not converge, or a mode
-  // does not decay.
+  // 1 / min(-Re λ), s; 0 for a chain without masses; infinite if a mode does not decay. NaN if Z is not finite or the
+  // eigenvalues do not converge.
   [[nodiscard]] double time_constant_s() const noexcept { return time_constant_s_; }
   // The eigenvalues λ, rad/s, slowest decay first. A conjugate pair is given by its Im λ > 0.
   [[nodiscard]] std::span<const std::complex<double>> values() const noexcept {
