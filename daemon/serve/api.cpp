@@ -371,7 +371,7 @@ std::string control_answer(const ServiceView& view, std::string_view line, const
     return done ? dump(Json{{"done", true}}) : control_error(done.error().reason);
   }
   return control_error("unknown verb \"" + name +
-                       "\"; there are status, check, start, stop, rearm, acknowledge and sign");
+                       "\"; there are status, check, start, stop, rearm, acknowledge, sign and enter");
 }
 
 }  // namespace dwell

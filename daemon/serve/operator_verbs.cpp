@@ -45,6 +45,27 @@ tl::expected<std::string, NotDone> text_of(const Json& request, const char* key,
   return *text;
 }
 
+// The first member that this verb does not know: misspelt, a comment or a name would be lost without a word. The verb
+// itself stands in a line of the control socket.
+std::optional<std::string> unknown_member(Verb verb, const Json& request) {
+  for (const auto& [key, value] : request.items())
+    if (key != "verb" && key != "comment" && !(verb == Verb::start && key == "label") &&
+        !(verb == Verb::acknowledge && key == "alarm"))
+      return key;
+  return std::nullopt;
+}
+
+const char* members_of(Verb verb) {
+  switch (verb) {
+    case Verb::start:
+      return "label and comment";
+    case Verb::acknowledge:
+      return "alarm and comment";
+    default:
+      return "comment";
+  }
+}
+
 }  // namespace
 
 tl::expected<Json, std::string> parse_request(std::string_view text) {
@@ -72,6 +93,9 @@ bool is_operator_verb(std::string_view verb) { return verb_of(verb).has_value();
 tl::expected<void, NotDone> perform(std::string_view name, const Json& request, const Operate& operate) {
   const auto verb = verb_of(name);
   if (!verb) return unusable("unknown verb \"" + std::string(name) + "\"");
+  if (const auto key = unknown_member(*verb, request))
+    return unusable("\"" + printable(std::string_view(*key).substr(0, 64)) +
+                    "\" is not understood: " + std::string(name) + " takes " + members_of(*verb));
   const auto label = text_of(request, "label", kLabelBytes), comment = text_of(request, "comment", kCommentBytes);
   const auto alarm = text_of(request, "alarm", kAlarmBytes);
   if (!label) return tl::unexpected(label.error());
