@@ -95,15 +95,24 @@ void RunCycle::obey(const Record& request) {
   const bool start = request.flags == static_cast<std::uint8_t>(RunEdge::begins),
              restart = start && request.channel == 0;
   if (!bracketed_ || (!run_.on && (!start || restart))) return;
-  const bool drive_on = live_.front()->measurement().state() != State::idle, by_operator = run_.by_operator;
+  const bool by_operator = run_.by_operator;
+  drive_was_on_ = drive_on();
   if (run_.on) end(restart ? EndOfRun::restarted : EndOfRun::by_operator, request.channel);
   replace(nursery_.take_now());
   if (start) {
     begin(request.channel);
     if (restart) run_.by_operator = by_operator;
   } else {
-    run_.held = drive_on;
+    run_.held = drive_was_on_;
   }
+}
+
+// A pipeline that has been idle since its birth knows nothing of the drive before it has lived for a span.
+bool RunCycle::drive_on() const {
+  const RunPipeline& shown = *live_.front();
+  if (shown.measurement().state() != State::idle) return true;
+  const std::int64_t age_ns = shown.age_ns(newest_ns_);
+  return drive_was_on_ && age_ns < span_ns_ && shown.idle_for_ns(newest_ns_) == age_ns;
 }
 
 void RunCycle::remember_earlier() {

@@ -94,6 +94,8 @@ class RunCycle {
   void drop(std::size_t pipeline);
   // Keeps the newest dwell with coefficients of the run that has ended.
   void remember_earlier();
+  // Whether the drive is on, as far as the shown pipeline and the one that it replaced know.
+  [[nodiscard]] bool drive_on() const;
   void told(RunPipeline& by, RunEvent event);
   void tell_state();
   [[nodiscard]] bool nothing_waits() const noexcept;
@@ -107,6 +109,9 @@ class RunCycle {
   StreamAccounts accounts_;
   KnownStates states_;
   RunView run_;
+  // What drive_on() said when the shown pipeline replaced another one: a newborn recognizes no drive within its first
+  // periods.
+  bool drive_was_on_ = false;
   Past past_;
   EarlierDwell earlier_;
   State told_ = State::idle;

@@ -199,6 +199,42 @@ TEST_F(RunCycleTest, StartBeginsARunWhereAStopHoldsTheDrivesBack) {
   EXPECT_EQ(session.latest().dwell.state, State::measuring);
 }
 
+// A pipeline is born with each start, and recognizes the drive only after some periods.
+TEST_F(RunCycleTest, ShortRunsOfAnOperatorDoNotUndoAStop) {
+  session.drive(kMoving);
+  go_on(6.0);
+  ASSERT_TRUE(session.estimator->end_run(1));
+  go_on(2.0);
+  for (std::uint16_t request = 2; request < 6; request += 2) {
+    ASSERT_TRUE(session.estimator->begin_run(request));
+    go_on(0.05);
+    ASSERT_TRUE(session.estimator->end_run(static_cast<std::uint16_t>(request + 1)));
+    go_on(0.05);
+  }
+  go_on(20.0);
+  EXPECT_TRUE(session.latest().run.held);
+  EXPECT_FALSE(session.latest().run.on) << "the drive has not rested";
+  EXPECT_EQ(session.latest().run.number, 3u) << "the drive's run and the operator's two";
+  session.drive(0.0);
+  go_on(25.0);
+  EXPECT_FALSE(session.latest().run.held);
+  session.drive(kMoving);
+  go_on(6.0);
+  EXPECT_TRUE(session.latest().run.on);
+}
+
+TEST_F(RunCycleTest, AShortRunOfAnOperatorHoldsNothingBackWhereTheDriveRested) {
+  go_on(15.0);
+  ASSERT_TRUE(session.estimator->begin_run(1));
+  go_on(0.05);
+  ASSERT_TRUE(session.estimator->end_run(2));
+  go_on(0.05);
+  EXPECT_FALSE(session.latest().run.held);
+  session.drive(kMoving);
+  go_on(6.0);
+  EXPECT_TRUE(session.latest().run.on);
+}
+
 TEST_F(RunCycleTest, ARestartMakesAnotherRunOfTheSameSort) {
   ASSERT_TRUE(session.estimator->begin_run(0));
   go_on(1.0);
