@@ -102,17 +102,36 @@ void Housekeeper::anchor(const ClockPair& now, bool run_changed) {
 }
 
 void Housekeeper::retain(const ClockPair& now) {
+  const std::string doubt = options_.retention.days ? age_doubt_.at(now, options_.clock_synchronized()) : std::string();
   if (!outcomes_->all_listed()) return;
+  if (!doubt.empty()) std::erase_if(deletions_, [](const Deletion& deletion) { return deletion.by_age; });
   if (now.raw_ns >= next_retention_ns_) {
     next_retention_ns_ = now.raw_ns + kRetentionPeriod_ns;
-    const auto chosen = choose_deletions(*list_->all(), options_.retention, now.utc_ns);
-    deletions_.assign(chosen.begin(), chosen.end());
+    choose(now, doubt);
   }
   // Deletes one run a turn, for each waits for the disk.
   if (deletions_.empty()) return;
   const Deletion deletion = std::move(deletions_.front());
   deletions_.pop_front();
   erase(deletion);
+}
+
+void Housekeeper::choose(const ClockPair& now, const std::string& doubt) {
+  auto chosen = choose_deletions(*list_->all(), options_.retention, now.utc_ns);
+  std::size_t old = 0;
+  for (const Deletion& deletion : chosen) old += deletion.by_age ? 1 : 0;
+  if (!doubt.empty() && old > 0) {
+    RetentionPolicy by_size = options_.retention;
+    by_size.days.reset();
+    chosen = choose_deletions(*list_->all(), by_size, now.utc_ns);
+  }
+  deletions_.assign(chosen.begin(), chosen.end());
+  if (old == 0 || std::exchange(told_doubt_, doubt) == doubt || doubt.empty()) return;
+  tell_({Notice::Grade::warning,
+         std::to_string(old) + (old == 1 ? " run seems" : " runs seem") +
+             " too old to be kept; nothing is deleted by age: " + doubt,
+         0,
+         {}});
 }
 
 void Housekeeper::audit(const ClockPair& now) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "daemon/record/notice.hpp"
 #include "daemon/record/retention.hpp"
 #include "daemon/record/run_audits.hpp"
+#include "daemon/record/run_entries.hpp"
 #include "daemon/record/run_folder.hpp"
 #include "daemon/record/run_list.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -24,6 +26,8 @@ struct HousekeepingOptions {
   std::string directory;
   RetentionPolicy retention;
   AnchorTarget anchor;
+  // Whether the computer's clock is synchronized; tests give their own.
+  std::function<bool()> clock_synchronized = record::clock_synchronized;
 };
 
 // Bound to the recorder's thread; virtual time.
@@ -54,6 +58,7 @@ class Housekeeper {
   void list(const ListedRun* recorded);
   void anchor(const ClockPair& now, bool run_changed);
   void retain(const ClockPair& now);
+  void choose(const ClockPair& now, const std::string& doubt);
   void audit(const ClockPair& now);
   void erase(const Deletion& deletion);
   void take_outcomes();
@@ -69,6 +74,8 @@ class Housekeeper {
   std::int64_t next_anchor_ns_ = 0, next_retention_ns_ = 0;
   std::map<std::string, Digest> anchored_;  // newest head by origin
   std::deque<Deletion> deletions_;
+  AgeDoubt age_doubt_;
+  std::string told_doubt_;  // why old runs stay, as the log has it
   std::string anchor_trouble_;
 };
 

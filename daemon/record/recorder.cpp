@@ -74,7 +74,8 @@ struct Recorder::Impl {
         tell(options.tell),
         ring(ring_records(options.rate_hz)),
         folder(options.folder),
-        keeper({options.folder.directory, options.retention, options.anchor}, folder, list, options.tell),
+        keeper({options.folder.directory, options.retention, options.anchor, options.clock_synchronized}, folder, list,
+               options.tell),
         log(folder, {options.header, options.dwell_json, options.model_json, options.tell, options.names}),
         thread([this] { run(); }) {}
   ~Impl() {

@@ -32,6 +32,8 @@ struct RecorderOptions {
   std::function<StoredModel(const ModelResult&)> model_json;
   Tell tell;
   StreamNames names;
+  // HousekeepingOptions
+  std::function<bool()> clock_synchronized = record::clock_synchronized;
 };
 
 // Why runs are not recorded as they should.

@@ -1,8 +1,7 @@
 #include "daemon/record/retention.hpp"
 
 #include <cstdio>
-
-#include "daemon/record/utc_text.hpp"
+#include <cstdlib>
 
 namespace dwell::record {
 namespace {
@@ -18,11 +17,21 @@ std::string limit_text(double value) {
 bool may_go(const ListedRun& run) { return !run.kept && (run.state == "closed" || run.state == "cut off"); }
 
 bool is_older(const ListedRun& run, double days, std::int64_t now_utc_ns) {
+  if (!run.clock_synchronized) return false;
   const auto ended_ns = parse_utc(run.ended_utc);
   return ended_ns && static_cast<double>(now_utc_ns - *ended_ns) > days * kDay_ns;
 }
 
 }  // namespace
+
+std::string AgeDoubt::at(const ClockPair& now, bool synchronized) {
+  if (before_ && std::abs((now.utc_ns - before_->utc_ns) - (now.raw_ns - before_->raw_ns)) >= kStep_ns)
+    set_ns_ = now.raw_ns;
+  before_ = now;
+  if (!synchronized) return "the computer's clock is not synchronized";
+  if (set_ns_ && now.raw_ns - *set_ns_ < kAfterStep_ns) return "the computer's clock was set within the last day";
+  return {};
+}
 
 std::vector<Deletion> choose_deletions(const ListedRuns& runs, const RetentionPolicy& policy, std::int64_t now_utc_ns) {
   double total = 0.0;
@@ -34,8 +43,10 @@ std::vector<Deletion> choose_deletions(const ListedRuns& runs, const RetentionPo
     const bool large = policy.gigabytes && total > *policy.gigabytes * 1e9;
     if (!old && !large) continue;
     total -= static_cast<double>(run.bytes);
-    chosen.push_back({run, old ? "older than " + limit_text(*policy.days) + " days"
-                               : "all runs together were larger than " + limit_text(*policy.gigabytes) + " GB"});
+    chosen.push_back({run,
+                      old ? "older than " + limit_text(*policy.days) + " days"
+                          : "all runs together were larger than " + limit_text(*policy.gigabytes) + " GB",
+                      old});
   }
   return chosen;
 }

@@ -59,6 +59,7 @@ ListedRun look_at_run(const std::string& directory, const std::string& name) {
   listed.label = header.label;
   listed.begun_by = header.begun_by;
   listed.begun_utc = header.start_utc;
+  listed.clock_synchronized = header.origin.clock_synchronized;
   const auto dwells = ended_dwells(*reader);
   if (!dwells) return listed;
   listed.dwells = *dwells;

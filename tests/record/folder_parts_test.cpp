@@ -134,6 +134,7 @@ ListedRun ended(std::int64_t run, std::int64_t days_ago, std::uint64_t bytes) {
   listed.state = "closed";
   listed.ended_utc = iso_utc(1'000 * kDay_ns - days_ago * kDay_ns);
   listed.bytes = bytes;
+  listed.clock_synchronized = true;
   return listed;
 }
 
@@ -151,6 +152,14 @@ TEST(Retention, DeletesByAgeOfTheEnd) {
   const ListedRuns runs{ended(1, 401, 1), ended(2, 399, 1), ended(3, 0, 1)};
   EXPECT_EQ(deleted(runs, {400.0, {}}), std::vector<std::int64_t>{1});
   EXPECT_EQ(choose_deletions(runs, {400.0, {}}, 1'000 * kDay_ns)[0].why, "older than 400 days");
+}
+
+TEST(Retention, ARunThatWasRecordedWithoutASynchronizedClockHasNoAge) {
+  ListedRuns runs{ended(1, 401, 1), ended(2, 401, 1)};
+  runs[0].clock_synchronized = false;
+  EXPECT_EQ(deleted(runs, {400.0, {}}), std::vector<std::int64_t>{2});
+  runs[0].bytes = 2'000'000'000;
+  EXPECT_EQ(deleted(runs, {{}, 1.0}), std::vector<std::int64_t>{1}) << "but it has a size";
 }
 
 TEST(Retention, DeletesTheOldestUntilAllFit) {

@@ -20,11 +20,15 @@ constexpr std::int64_t kMidnight_utc_ns = 1'790'000'000'000'000'000;
 struct HousekeeperTest : testing::Test {
   HousekeeperTest() : folder(folder_options(scratch.path(""))) {}
 
-  // Turns within one instant until what the jobs' thread has done is known here.
-  void turn_until(double t_s, const std::function<bool()>& known) {
+  // set_days: by which somebody has set the clock.
+  void turn(double t_s, double set_days = 0.0) {
     const auto t_ns = static_cast<std::int64_t>(t_s * 1e9);
+    keeper->turn({t_ns, kMidnight_utc_ns + t_ns + static_cast<std::int64_t>(set_days * 86'400e9)}, nullptr);
+  }
+  // Turns within one instant until what the jobs' thread has done is known here.
+  void turn_until(double t_s, const std::function<bool()>& known, double set_days = 0.0) {
     do {
-      keeper->turn({t_ns, kMidnight_utc_ns + t_ns}, nullptr);
+      turn(t_s, set_days);
       std::this_thread::yield();
     } while (!known());
   }
@@ -47,6 +51,53 @@ TEST_F(HousekeeperTest, AnAnchorThatDidNotArriveIsSentAgainWhenTheNextIsDue) {
   std::filesystem::create_directory(scratch.path("share"));
   turn_until(60.0, [&] { return keeper->anchor_trouble().empty(); });
   EXPECT_NE(Scratch::read(heads).find("dwell/ledger/"), std::string::npos);
+}
+
+// A run that ended at midnight, a limit of 400 days, and a clock that can be set.
+struct RetentionByAgeTest : HousekeeperTest {
+  RetentionByAgeTest() {
+    RunHeader header = rig_header();
+    header.start_utc = iso_utc(kMidnight_utc_ns);
+    EXPECT_TRUE(folder.open());
+    EXPECT_TRUE(folder.begin(header, 0, {}));
+    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
+    EXPECT_TRUE(folder.end(last, false));
+    folder.settle();
+    HousekeepingOptions options{folder_options(scratch.path("")).directory, {400.0, {}}, {}};
+    options.clock_synchronized = [this] { return synchronized; };
+    keeper = std::make_unique<Housekeeper>(options, folder, std::make_shared<RunList>(), notices.tell());
+  }
+  [[nodiscard]] bool deleted() const { return notices.hold(" deleted, "); }
+
+  bool synchronized = true;
+};
+
+TEST_F(RetentionByAgeTest, AnOldRunIsDeleted) {
+  turn_until(
+      0.0, [this] { return deleted(); }, 401.0);
+}
+
+TEST_F(RetentionByAgeTest, NothingIsDeletedWhileTheClockIsNotSynchronized) {
+  synchronized = false;
+  turn_until(
+      0.0, [this] { return deleted() || notices.hold("too old"); }, 401.0);
+  EXPECT_FALSE(deleted());
+  EXPECT_TRUE(
+      notices.hold("1 run seems too old to be kept; nothing is deleted by age: the computer's clock is not "
+                   "synchronized"))
+      << notices.text();
+}
+
+TEST_F(RetentionByAgeTest, NothingIsDeletedForADayAfterTheClockWasSet) {
+  constexpr double kSet_s = 700.0, kDay_s = 86'400.0;
+  turn(0.0);
+  turn_until(
+      kSet_s, [this] { return deleted() || notices.hold("too old"); }, 401.0);
+  EXPECT_TRUE(notices.hold("the computer's clock was set within the last day")) << notices.text();
+  for (double t_s = kSet_s; t_s < kSet_s + kDay_s; t_s += 600.0) turn(t_s, 401.0);
+  EXPECT_FALSE(deleted());
+  turn_until(
+      kSet_s + kDay_s + 600.0, [this] { return deleted(); }, 401.0);  // who set it had a day to see the line
 }
 
 }  // namespace

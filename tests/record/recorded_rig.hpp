@@ -15,6 +15,7 @@ inline RunHeader rig_header() {
   RunHeader header;
   header.rig = {"rig.toml", std::string(64, 'a'), "[rig]\nname = \"bench\"\n"};
   header.channels = {"y0", "y1"};
+  header.origin.clock_synchronized = true;
   return header;
 }
 
@@ -72,6 +73,7 @@ inline RecorderOptions recorder_options(const std::string& directory, Notices& n
   options.header = rig_header;
   options.dwell_json = [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); };
   options.tell = notices.tell();
+  options.clock_synchronized = [] { return true; };
   return options;
 }
 
