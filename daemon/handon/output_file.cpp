@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "daemon/record/file_name.hpp"
+#include "daemon/record/keys.hpp"
 
 namespace dwell::handon {
 namespace {
@@ -33,6 +34,25 @@ bool is_of_the_record(const std::string& path) {
   return bytes.substr(0, kMagic.size()) == kMagic && (id == "DWLL" || id == "DWLG");
 }
 
+tl::unexpected<record::Failure> refuse(const std::string& path, const std::string& found) {
+  return tl::make_unexpected(record::Failure(path + ": " + found + "; expected the name of another file"));
+}
+
+bool has_extension_of_run(const std::string& path) {
+  return std::filesystem::path(path).extension().string().rfind(record::kRunSuffix, 0) == 0;
+}
+
+// What holds for every file, whether one is there or not.
+record::Result<void> may_have_name(const std::string& path) {
+  if (path == "-") return refuse(path, "standard output is no file: what is written is complete or not there at all");
+  const std::filesystem::path name(path), folder = name.has_parent_path() ? name.parent_path() : ".";
+  std::error_code none;
+  if (const std::string what = record::kept_by_service(name.filename().string());
+      !what.empty() && std::filesystem::exists(folder / "ledger.dwell-ledger", none))
+    return refuse(path, "has the name of " + what);
+  return {};
+}
+
 // Without `overwrite`, a file that has appeared meanwhile stays. Not every file system can do that in one step.
 bool give_name(const std::string& from, const std::string& to, bool overwrite) {
   if (!overwrite) {
@@ -45,12 +65,10 @@ bool give_name(const std::string& from, const std::string& to, bool overwrite) {
 }  // namespace
 
 record::Result<void> may_write(const Target& target) {
-  const auto refused = [&target](const char* found) {
-    return tl::make_unexpected(target.path + ": " + found + "; expected the name of another file");
-  };
-  if (target.path == "-") return refused("standard output is no file: what is written is complete or not there at all");
+  if (auto may = may_have_name(target.path); !may) return may;
+  const auto refused = [&target](const char* found) { return refuse(target.path, found); };
   // NAME.dwell, NAME.dwell-wal, ledger.dwell-ledger: even a new file of such a name would make a run look altered.
-  if (std::filesystem::path(target.path).extension().string().rfind(record::kRunSuffix, 0) == 0)
+  if (has_extension_of_run(target.path))
     return refused("has the name of a run file or of a file beside one: its extension begins with .dwell");
   struct stat status {};
   if (::lstat(target.path.c_str(), &status) != 0) return {};  // what else is wrong with it, opening tells
@@ -58,6 +76,7 @@ record::Result<void> may_write(const Target& target) {
   if (S_ISLNK(status.st_mode)) return refused("is a link");
   if (!S_ISREG(status.st_mode)) return refused("is no regular file");
   if (is_of_the_record(target.path)) return refused("is a run file or a ledger");
+  if (record::SigningKey::is_at(target.path)) return refused("is a private key");
   if (!target.overwrite)
     return tl::make_unexpected(target.path + ": exists already; expected a new name, or --overwrite");
   return {};

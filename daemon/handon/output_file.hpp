@@ -19,8 +19,9 @@ struct Target {
   bool overwrite = false;
 };
 
-// Whether a file may be written there, else "PATH: found, expected". Never in place of a run file, a ledger or what
-// belongs to one, neither by its name nor by its content; never in place of a link, a device or a pipe.
+// Whether a file may be written there, else "PATH: found, expected". Never in place of a run file, a ledger, a private
+// key or what belongs to one, neither by its name nor by its content; never in place of a link, a device or a pipe. In
+// a recording directory never at a name that the service gives its own files, even if no file is there.
 [[nodiscard]] record::Result<void> may_write(const Target& target);
 
 // Bound to one thread. keep() returns the first failure; everything written after that is dropped.

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "daemon/record/disk_reserve.hpp"
+
 namespace dwell::record {
 namespace {
 
@@ -29,6 +31,15 @@ std::string tame(std::string_view text) {
 
 std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc) {
   return tame(rig) + '-' + std::to_string(run) + '-' + std::string(utc) + std::string(kRunSuffix);
+}
+
+std::string kept_by_service(std::string_view name) {
+  if (name == "key" || name == "key.next") return "the private key of the service";
+  if (name == "key.pub") return "the public key of the service";
+  if (name == kReserveName) return "the room that the service reserves on the disk";
+  for (const std::string_view part : {"-wal", "-shm", "-journal"})
+    if (name.ends_with(part)) name.remove_suffix(part.size());
+  return name.starts_with("next-") && name.ends_with(".new") ? "a run that the service makes in advance" : "";
 }
 
 std::int64_t run_of_file_name(std::string_view name) {

@@ -18,6 +18,10 @@ inline constexpr std::string_view kKeepSuffix = ".keep";
 // `utc`: as compact_utc() writes it.
 [[nodiscard]] std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc);
 
+// What the file is, if it has the name of one that the service keeps in its recording directory beside runs and ledger:
+// its keys, the reserve, runs made in advance. Empty: it has none of these names.
+[[nodiscard]] std::string kept_by_service(std::string_view name);
+
 // The run's number in a file's name; 0: none.
 [[nodiscard]] std::int64_t run_of_file_name(std::string_view name);
 

@@ -173,6 +173,13 @@ Result<SigningKey> SigningKey::make(const std::string& name) {
   return key;
 }
 
+bool SigningKey::is_at(const std::string& path) {
+  const Result<OpenFile> file = open_regular(path);
+  std::string begin(kPrivate.size(), '\0');
+  return file && ::read(file->get(), begin.data(), begin.size()) == static_cast<ssize_t>(begin.size()) &&
+         begin == kPrivate;
+}
+
 Result<SigningKey> SigningKey::load(const std::string& path) {
   const auto of_file = [&path](const std::string& what) { return fails(path + ": " + what); };
   const Result<OpenFile> file = open_regular(path);

@@ -45,6 +45,8 @@ class SigningKey {
  public:
   // Makes a new key. Fails if the name is not allowed, or the system yields no random numbers.
   [[nodiscard]] static Result<SigningKey> make(const std::string& name);
+  // Whether the file at `path` begins as a private key does.
+  [[nodiscard]] static bool is_at(const std::string& path);
   // Reads a file written by save(). Fails with the reason, also if others than the owner may read the file. Its one
   // line is "PRIVATE+KEY+NAME+1a2b3c4d+BASE64", as Go's note package writes keys.
   [[nodiscard]] static Result<SigningKey> load(const std::string& path);

@@ -164,6 +164,37 @@ TEST_F(HandonCommand, WritesInPlaceOfNothingButARegularFileThatWasGivenUp) {
   for (const std::string& command : writes("text", true)) EXPECT_EQ(say(command).code, 0) << command;
 }
 
+TEST_F(HandonCommand, WritesAtNoNameOfTheServicesOwnFilesInARecordingDirectory) {
+  std::filesystem::create_directory(scratch_.path("runs"));
+  ASSERT_EQ(say("keygen --key runs/key").code, 0);
+  ASSERT_EQ(say("keygen --key own").code, 0);
+  for (const char* name : {"ledger.dwell-ledger", "reserve", "next-18.new", "next-18.new-wal"})
+    scratch_.write(std::string("runs/") + name, "the service's");
+  const auto contents = [&] {
+    std::string all;
+    for (const char* name : {"runs/key", "runs/key.pub", "runs/reserve", "runs/next-18.new", "runs/next-18.new-wal"})
+      all += record::Scratch::read(scratch_.path(name)) + "\n";
+    return all;
+  };
+  const std::string before = contents();
+  for (const auto& [target, found] : {std::pair("runs/key", "has the name of the private key of the service"),
+                                      std::pair("runs/key.pub", "has the name of the public key of the service"),
+                                      std::pair("runs/key.next", "has the name of the private key of the service"),
+                                      std::pair("runs/reserve", "has the name of the room that the service reserves"),
+                                      std::pair("runs/next-18.new", "has the name of a run that the service makes"),
+                                      std::pair("runs/next-18.new-wal", "has the name of a run that the service makes"),
+                                      std::pair("runs/next-19.new", "has the name of a run that the service makes"),
+                                      std::pair("own", "is a private key")})
+    for (const char* command : {"report run.dwell", "export run.dwell --format csv"}) {
+      const Said said = say(std::string(command) + " --overwrite -o " + target);
+      EXPECT_EQ(said.code, 2) << command << " " << target;
+      EXPECT_NE(said.err.find(std::string(target) + ": " + found), std::string::npos) << said.err;
+    }
+  EXPECT_EQ(contents(), before);
+  EXPECT_FALSE(there("runs/key.next") || there("runs/next-19.new"));
+  EXPECT_EQ(say("report run.dwell -o reserve").code, 0) << "elsewhere it is a name as any other";
+}
+
 TEST_F(HandonCommand, TheRigFileBesideACsvReplacesNothing) {
   scratch_.write("out.rig.toml", "mine");
   const Said said = say("export run.dwell --format csv -o out.csv");
