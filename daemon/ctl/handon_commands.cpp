@@ -11,6 +11,7 @@
 #include "daemon/ctl/pinned_key.hpp"
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
+#include "daemon/ctl/run_source.hpp"
 #include "daemon/handon/csv.hpp"
 #include "daemon/handon/hdf5.hpp"
 #include "daemon/handon/output_file.hpp"
@@ -161,6 +162,10 @@ int export_run(const ExportRunOptions& options) {
   auto selection = Selection::open(options.file, options.range);
   if (!selection) {
     tell_error(selection.error());
+    return kUsage;
+  }
+  if (selection->header().is_child()) {
+    tell_error(why_no_stream(options.file, selection->header()));
     return kUsage;
   }
   const auto written = write(*selection, from, options);

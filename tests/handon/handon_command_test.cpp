@@ -103,6 +103,13 @@ TEST_F(HandonCommand, ReportsAChildFileAsWhatItIs) {
   EXPECT_NE(page_of_text.out.find("covers     3.0 s"), std::string::npos) << page_of_text.out;
   const Said list = say("runs .");
   EXPECT_NE(list.out.find("3.0 s  closed"), std::string::npos) << list.out;
+  for (const char* format : {"csv", "hdf5", "uff"}) {
+    const Said refused = say(std::string("export child.dwell -o none --format ") + format);
+    EXPECT_EQ(refused.code, 2) << format;
+    EXPECT_NE(refused.err.find("child.dwell holds no stream: it was computed from run " + id), std::string::npos)
+        << refused.err;
+    EXPECT_FALSE(there("none"));
+  }
 }
 
 TEST_F(HandonCommand, TheReportTellsWhichPersonsKeyIsPinned) {
