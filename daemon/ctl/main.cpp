@@ -55,14 +55,16 @@ class OperatorVerbs {
  public:
   OperatorVerbs(Verbs& verbs, Service& service) {
     const auto asks = [&service, this](CLI::App* verb) {
-      add_text(verb, "--comment", comment_, "why, for the record; at most 4000 bytes");
+      add_text(verb, "--comment", comment_, dwell::record::kCommentBytes, "why, for the record");
       add_control(verb, service);
       add_json(verb, service.json);
     };
     CLI::App* const start = verbs.add(
         "start", "begin a recorded run now; exit 1 if an operator's run goes on already, or if nothing is recorded",
         [&service, this] { return start_run(service, label_, comment_); });
-    add_text(start, "--label", label_, "what the run is; at most 200 bytes")->required();
+    add_text(start, "--label", label_, dwell::record::kLabelBytes, "what the run is")
+        ->required()
+        ->check([](const std::string& given) { return given.empty() ? "expected text" : ""; }, "");
     asks(start);
     asks(verbs.add("stop", "end the recorded run now; exit 1 if none goes on",
                    [&service, this] { return stop_run(service, comment_); }));
@@ -122,7 +124,8 @@ class ComputingVerbs {
     verb->add_option("--against", replaying_.against,
                      "a child file of this run: compute with its rig file, and compare with its results")
         ->excludes(rig);
-    add_text(verb, "--comment", replaying_.comment, "why, into the child file")->needs(child);
+    add_text(verb, "--comment", replaying_.comment, dwell::record::kCommentBytes, "why, into the child file")
+        ->needs(child);
     verb->add_option("--key", replaying_.key, "file of the private key that signs the child file; default: your own")
         ->needs(child);
     add_json(verb, replaying_.json);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/ctl/commands.hpp"
-#include "daemon/record/utf8.hpp"
+#include "daemon/record/words.hpp"
 
 namespace dwell::ctl {
 
@@ -42,10 +42,11 @@ inline void add_persons(CLI::App* verb, std::vector<std::string>& persons) {
       ->allow_extra_args(false);
 }
 
-// A text for the record.
-inline CLI::Option* add_text(CLI::App* verb, const std::string& name, std::string& text, const std::string& help) {
-  return verb->add_option(name, text, help)
-      ->check([](const std::string& given) { return record::why_not_utf8(given); }, "");
+// A text for the record, of at most so many bytes.
+inline CLI::Option* add_text(CLI::App* verb, const std::string& name, std::string& text, std::size_t most,
+                             const std::string& help) {
+  return verb->add_option(name, text, help + "; at most " + std::to_string(most) + " bytes")
+      ->check([most](const std::string& given) { return record::why_not_words(given, most); }, "");
 }
 
 inline void add_ledger(CLI::App* verb, std::string& ledger) {

@@ -32,10 +32,10 @@ RecordVerbs::RecordVerbs(Verbs& verbs, Service& service) {
   CLI::App* const sign = verbs.add("sign", "your signature under a run that has ended",
                                    [&service, this] { return ctl::sign(service, signing_); });
   sign->add_option("file", signing_.file, "the run file")->required();
-  auto* const meaning =
-      add_text(sign, "--meaning", signing_.meaning, "what the signature says, for instance \"reviewed\"");
-  add_text(sign, "--name", signing_.name, "your name; default: as the system knows you");
-  add_text(sign, "--reason", signing_.reason, "why");
+  auto* const meaning = add_text(sign, "--meaning", signing_.meaning, record::kLabelBytes,
+                                 "what the signature says, for instance \"reviewed\"");
+  add_text(sign, "--name", signing_.name, record::kLabelBytes, "your name; default: as the system knows you");
+  add_text(sign, "--reason", signing_.reason, record::kCommentBytes, "why");
   sign->add_option("--key", signing_.key, "sign with this private key of your own; default: the service vouches");
   sign->add_flag("--enter", signing_.enter,
                  "sign nothing: the service enters into its ledger which persons' own keys have signed the file")

@@ -5,10 +5,12 @@
 #include <initializer_list>
 #include <optional>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "daemon/record/snapshot.hpp"
 #include "daemon/record/utf8.hpp"
+#include "daemon/record/words.hpp"
 
 namespace dwell::record {
 namespace {
@@ -91,6 +93,15 @@ Result<std::string> lines_of(const PersonalSignature& signature) {
   return text;
 }
 
+// What may be signed now: stricter than what a file may hold, since files with other words exist.
+Result<void> may_be_signed(const PersonalSignature& signature) {
+  for (const auto& [what, words, most] :
+       {std::tuple("name", &signature.name, kLabelBytes), std::tuple("meaning", &signature.meaning, kLabelBytes),
+        std::tuple("reason", &signature.reason, kCommentBytes)})
+    if (const std::string why = why_not_words(*words, most); !why.empty()) return fails(std::string(what) + ": " + why);
+  return {};
+}
+
 }  // namespace
 
 Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature) {
@@ -113,7 +124,7 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
                                           const SigningKey& service, const WhileBusy& busy) {
   if (!signature.person) return fails("the service signs only for a user of this computer");
   // Checked first: opening the file for writing alters it.
-  if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
+  if (auto may = may_be_signed(signature); !may) return fails(std::move(may.error()));
   const Result<EndedRun> run = wait_for_end(path, busy);
   if (!run) return fails(run.error());
   if (!(run->key == service.public_key()))
@@ -133,7 +144,7 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
 
 Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature, const SigningKey& own,
                                           const WhileBusy& busy) {
-  if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
+  if (auto may = may_be_signed(signature); !may) return fails(std::move(may.error()));
   const Result<EndedRun> run = wait_for_end(path, busy);
   if (!run) return fails(run.error());
   Result<ChainWriter> file = open_again(

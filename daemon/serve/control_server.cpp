@@ -90,7 +90,10 @@ class Caller : public std::enable_shared_from_this<Caller> {
   }
 
   void received(const error_code& error, std::size_t size) {
-    if (error == asio::error::not_found) return answer(R"({"error":"the line is too long"})", false);
+    if (error == asio::error::not_found)
+      return answer(R"({"error":"the request has more bytes than a line may have, which is )" +
+                        std::to_string(server_->options.line_bytes) + "\"}",
+                    false);
     if (error) return close();
     asked_ = true;
     std::string_view line(line_.data(), size - 1);

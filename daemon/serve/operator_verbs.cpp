@@ -7,16 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/printable.hpp"
 #include "daemon/record/utf8.hpp"
+#include "daemon/record/words.hpp"
 
 namespace dwell {
 namespace {
 
 using Verb = OperatorRequest::Verb;
 
-// Longer texts belong in a document beside the run.
-constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
 // "channel:" or "device:" and a name of the rig file: a channel's has at most 64 bytes, a device's 4096.
 constexpr std::size_t kAlarmBytes = 4200;
 // Brackets in a request. Ours do not nest; this bounds the parser's recursion.
@@ -39,9 +37,8 @@ tl::expected<std::string, NotDone> text_of(const Json& request, const char* key,
   const auto given = request.find(key);
   if (given == request.end()) return {};
   const auto* text = given->get_ptr<const std::string*>();
-  if (text == nullptr || text->size() > most || has_control(*text))
-    return unusable("\"" + std::string(key) + "\" cannot be taken: expected text of at most " + std::to_string(most) +
-                    " bytes without control characters");
+  const std::string why = text == nullptr ? "expected text" : record::why_not_words(*text, most);
+  if (!why.empty()) return unusable("\"" + std::string(key) + "\" cannot be taken: " + why);
   return *text;
 }
 
@@ -96,7 +93,8 @@ tl::expected<void, NotDone> perform(std::string_view name, const Json& request, 
   if (const auto key = unknown_member(*verb, request))
     return unusable("\"" + printable(std::string_view(*key).substr(0, 64)) +
                     "\" is not understood: " + std::string(name) + " takes " + members_of(*verb));
-  const auto label = text_of(request, "label", kLabelBytes), comment = text_of(request, "comment", kCommentBytes);
+  const auto label = text_of(request, "label", record::kLabelBytes),
+             comment = text_of(request, "comment", record::kCommentBytes);
   const auto alarm = text_of(request, "alarm", kAlarmBytes);
   if (!label) return tl::unexpected(label.error());
   if (!comment) return tl::unexpected(comment.error());

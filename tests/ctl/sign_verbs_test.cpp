@@ -108,6 +108,45 @@ TEST_F(SignVerbs, WordsThatAreNotUtf8AreRefusedAndTheFileStaysAsItWas) {
   }
 }
 
+// One rule for every text that goes into the record, and it says which text, what is wrong and what may be.
+TEST_F(SignVerbs, WordsThatCannotStandInTheRecordAreWrongUsage) {
+  const std::string run = written("run.dwell"), own = folder.path("key");
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  const std::string before = test::contents(run);
+  const auto refused = [](std::vector<std::string> asked, const std::string& option, const std::string& text,
+                          const std::string& why) {
+    asked.insert(asked.end(), {option, text});
+    const Outcome outcome = test::run(asked);
+    EXPECT_EQ(outcome.code, 2) << asked.front() << " " << option << ": " << outcome.out;
+    EXPECT_TRUE(holds(outcome.err, option + ": " + why)) << outcome.err;
+  };
+  const std::vector<std::pair<std::vector<std::string>, std::string>> labels{
+      {{"start"}, "--label"},
+      {{"sign", run, "--key", own}, "--meaning"},
+      {{"sign", run, "--key", own, "--meaning", "reviewed"}, "--name"}};
+  const std::vector<std::pair<std::vector<std::string>, std::string>> comments{
+      {{"start", "--label", "a"}, "--comment"},
+      {{"stop"}, "--comment"},
+      {{"replay", run, "--rig", "r.toml", "-o", "c.dwell"}, "--comment"},
+      {{"sign", run, "--key", own, "--meaning", "reviewed"}, "--reason"}};
+  for (const auto& [asked, option] : labels) {
+    refused(asked, option, std::string(201, 'a'), "it has 201 bytes, expected at most 200");
+    refused(asked, option, std::string(100'000, 'a'), "it has 100000 bytes, expected at most 200");
+  }
+  for (const auto& [asked, option] : comments)
+    refused(asked, option, std::string(4001, 'a'), "it has 4001 bytes, expected at most 4000");
+  for (const auto* all : {&labels, &comments})
+    for (const auto& [asked, option] : *all)
+      for (const char* text : {"a\nb", "a\x1b[31m",
+                               "a\xc2\x9b"
+                               "b",
+                               "a\xe2\x80\xae"
+                               "b"})
+        refused(asked, option, text, "it holds a control character, expected one line of plain text");
+  refused({"start"}, "--label", "", "expected text");
+  EXPECT_EQ(test::contents(run), before);
+}
+
 TEST_F(SignVerbs, WhatHasNotEndedIsNotSigned) {
   SampleRun run = make("open.dwell");
   run.closed = false;

@@ -70,7 +70,8 @@ TEST_F(ControlServerTest, ALineWithoutEndIsCutOff) {
   begin();
   Client client = Client::local(options.path);
   client.send(std::string(100'000, 'a'));
-  EXPECT_EQ(client.until("\n"), "{\"error\":\"the line is too long\"}\n");
+  EXPECT_EQ(client.until("\n"), "{\"error\":\"the request has more bytes than a line may have, which is " +
+                                    std::to_string(options.line_bytes) + "\"}\n");
   EXPECT_EQ(client.all(), "");
 }
 
