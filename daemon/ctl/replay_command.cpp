@@ -25,6 +25,7 @@
 #include "daemon/ctl/replay_check.hpp"
 #include "daemon/ctl/replay_printout.hpp"
 #include "daemon/ctl/run_source.hpp"
+#include "daemon/handon/output_file.hpp"
 #include "daemon/record/audit.hpp"
 #include "daemon/record/snapshot.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -273,6 +274,7 @@ int compute_child(const ReplayOptions& options, record::RunReader& reader) {
   if (!stored) return cannot_replay(stored.error());
   std::optional<ChildFile> child;
   if (!options.output.empty()) {
+    if (auto may = handon::may_make_run(options.output); !may) return cannot_replay(may.error());
     auto begun = begin_child(options, reader, *file);
     if (!begun) return cannot_replay(begun.error());
     child.emplace(std::move(*begun));

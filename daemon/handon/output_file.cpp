@@ -82,6 +82,15 @@ record::Result<void> may_write(const Target& target) {
   return {};
 }
 
+record::Result<void> may_make_run(const std::string& path) {
+  if (auto may = may_have_name(path); !may) return may;
+  if (has_extension_of_run(path) && std::filesystem::path(path).extension() != record::kRunSuffix)
+    return refuse(path, "has the name of a file beside a run");
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) return tl::make_unexpected(path + ": exists already; expected a new name");
+  return {};
+}
+
 record::Result<OutputFile> OutputFile::create(const Target& target) {
   if (auto may = may_write(target); !may) return tl::make_unexpected(may.error());
   std::string part = target.path + ".part";  // may be left of a program that was killed

@@ -23,6 +23,8 @@ struct Target {
 // key or what belongs to one, neither by its name nor by its content; never in place of a link, a device or a pipe. In
 // a recording directory never at a name that the service gives its own files, even if no file is there.
 [[nodiscard]] record::Result<void> may_write(const Target& target);
+// The same for a new run file: it may have the name of a run, and no file may be there yet.
+[[nodiscard]] record::Result<void> may_make_run(const std::string& path);
 
 // Bound to one thread. keep() returns the first failure; everything written after that is dropped.
 class OutputFile {

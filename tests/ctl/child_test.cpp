@@ -291,6 +291,20 @@ TEST_F(ChildTest, NoChildIsMadeOfATamperedParent) {
   EXPECT_FALSE(std::filesystem::exists(child));
 }
 
+TEST_F(ChildTest, IsWrittenAtNoNameThatMeansSomethingElse) {
+  const std::string parent = write("run.dwell");
+  (void)folder.file("ledger.dwell-ledger", "");
+  for (const auto& [name, found] :
+       {std::pair(std::string("-"), "standard output is no file"),
+        std::pair(folder.path("a.dwell-wal"), "has the name of a file beside a run"),
+        std::pair(folder.path("next-2.new"), "has the name of a run that the service makes in advance")}) {
+    const Printed seen = make_child(parent, bench().rig_text(), name);
+    EXPECT_EQ(seen.code, kUsage);
+    EXPECT_NE(seen.err.find(name + ": " + found), std::string::npos) << seen.err;
+    EXPECT_FALSE(std::filesystem::exists(name));
+  }
+}
+
 TEST_F(ChildTest, WritesOverNothing) {
   const std::string parent = write("run.dwell"), kept = folder.file("kept.dwell", "kept");
   EXPECT_EQ(make_child(parent, bench().rig_text(), kept).code, kUsage);
