@@ -98,8 +98,9 @@ struct Recorder::Impl {
   RunFolder folder;
   Housekeeper keeper;
   RunLog log;
-  ListedRun recorded;   // the run that is recorded
-  std::string trouble;  // why no run can be recorded; empty: nothing known
+  ListedRun recorded;         // the run that is recorded
+  std::string trouble;        // why no run can be recorded; empty: nothing known
+  bool told_trouble = false;  // the log says that none can be recorded
   std::int64_t next_look_ns = 0;
   bool open = false;
   // … to here.
@@ -178,19 +179,28 @@ struct Recorder::Impl {
 
   // Can runs be recorded? If so, and the current run is not being recorded, asks for a new run.
   void look(const ClockPair& now) {
-    next_look_ns = now.raw_ns + (log.progress() != nullptr ? kStall_ns : kRetry_ns);
-    if (log.progress() != nullptr) return trouble.clear();
+    next_look_ns = now.raw_ns + kStall_ns;
+    if (log.progress() != nullptr) return healed();
     const bool was_open = open;
     const auto ready = folder.ready();
     open = open || folder.is_open();
+    next_look_ns = now.raw_ns + (open ? kLookForRoom_ns : kRetry_ns);
     if (open && !was_open) opened();
-    if (!ready && trouble.empty())
+    if (!ready && !std::exchange(told_trouble, true))
       tell({Notice::Grade::error, "runs cannot be recorded: " + ready.error() + "; measuring goes on", 0, {}});
-    if (ready && !trouble.empty()) tell({Notice::Grade::info, "runs can be recorded again", 0, {}});
     trouble = ready ? std::string() : std::string(ready.error());
-    if (!ready || log.stopped().empty() || now.raw_ns - log.stopped_ns() < kRetry_ns) return;
+    if (!ready) return;
+    if (log.stopped().empty()) return healed();
+    if (now.raw_ns - log.stopped_ns() < kRetry_ns) return;
+    healed();
     log.goes_on();
     restart.store(true, std::memory_order_relaxed);
+  }
+
+  // Told when a run is about to begin, or nothing keeps one from it: not while a stopped run waits to go on.
+  void healed() {
+    trouble.clear();
+    if (std::exchange(told_trouble, false)) tell({Notice::Grade::info, "runs can be recorded again", 0, {}});
   }
 
   void opened() {
@@ -221,13 +231,22 @@ struct Recorder::Impl {
     recorded.dwells = progress->dwells;
   }
 
+  // Why the current run is not recorded, or none can be, as of now: a run that was stopped keeps the figures of then.
+  [[nodiscard]] std::string why_not() const {
+    if (!trouble.empty()) return trouble;
+    if (told_trouble && !log.stopped().empty())
+      return "what kept runs from being recorded is mended; a new run begins within 30 s";
+    return log.stopped();
+  }
+
   void publish() {
     RecorderState fresh;
     fresh.directory = directory;
     fresh.recording = log.progress() != nullptr;
-    if (!fresh.recording) fresh.why_not = !log.stopped().empty() ? log.stopped() : trouble;
+    const std::string why = why_not();
+    if (!fresh.recording) fresh.why_not = why;
     if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = open ? "no run goes on" : "starting";
-    if (!fresh.recording) fresh.obstacle = {trouble.empty() ? log.stopped() : trouble, !trouble.empty()};
+    if (!fresh.recording) fresh.obstacle = {why, !trouble.empty()};
     fresh.run = recorded;
     fresh.buffer_fill = ring.fill();
     fresh.buffer_records = ring.capacity();
@@ -235,9 +254,10 @@ struct Recorder::Impl {
     fresh.lost_records = ring.lost_records();
     fresh.lost_results = ring.lost_results();
     fresh.lost_events = inbox.lost();
-    if (!log.stopped().empty()) fresh.alarms.push_back({"recording", "the run is not recorded: " + log.stopped()});
-    if (!trouble.empty() && log.stopped() != trouble)
-      fresh.alarms.push_back({"runs", "runs cannot be recorded: " + trouble});
+    if (!log.stopped().empty())
+      fresh.alarms.push_back({"recording", "the run is not recorded: " + why});
+    else if (!trouble.empty())
+      fresh.alarms.push_back({"runs", "runs cannot be recorded: " + why});
     if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back({"anchor", "anchor: " + keeper.anchor_trouble()});
     const std::lock_guard lock(mutex);
     state = std::move(fresh);

@@ -60,9 +60,12 @@ class Recorder final : public StreamSink, public RequestSink {
  public:
   // Most events and requests that wait. Further ones are lost, and counted.
   static constexpr std::size_t kInbox = 256;
-  // While it cannot record, the recorder tries again so often. It asks for new runs no more often, since each ends a
-  // dwell.
+  // The recorder asks for new runs no more often, since each ends a dwell. So often it also tries to open a directory
+  // that cannot be used, which may take seconds.
   static constexpr std::int64_t kRetry_ns = 30'000'000'000;
+  // While an open directory has no room, the recorder looks so often: whoever makes room and then starts a run types
+  // longer than this. A look costs two questions to the file system.
+  static constexpr std::int64_t kLookForRoom_ns = 250'000'000;
 
   // Starts its thread. Never fails: if it cannot record, it raises an alarm and tries again.
   explicit Recorder(RecorderOptions options);

@@ -30,7 +30,8 @@ class RequestSink {
   virtual ~RequestSink() = default;
   // Thread-safe; never waits. Called on the event loop, once for each request that enters the stream.
   virtual void request(Request request) = 0;
-  // As of the last time it tried, which it does every 30 s. Thread-safe, short lock.
+  // As of the last time it tried. While room is missing on the disk it tries several times a second. Thread-safe, short
+  // lock.
   [[nodiscard]] virtual Obstacle obstacle() const = 0;
 };
 

@@ -41,12 +41,14 @@ std::string OperatorRequests::obstacle(Verb verb) const {
     return "not recording: the rig file has no [recording], and one run lasts as long as the service";
   if (verb == Verb::start) {
     const record::Obstacle recording = recorder_ == nullptr ? record::Obstacle{} : recorder_->obstacle();
+    if (!operators_run_.empty() && recording.why.empty())
+      return operators_run_ + " goes on: stop it first, with dwellctl stop";
     if (!operators_run_.empty())
-      return recording.why.empty() ? operators_run_ + " goes on: stop it first, with dwellctl stop"
-                                   : "recording is stopped: " + recording.why + "; once that is mended, " +
-                                         operators_run_ + " goes on by itself within 30 s";
+      return recording.of_every_run ? "recording is stopped: " + recording.why + "; once that is mended, " +
+                                          operators_run_ + " goes on by itself within 30 s"
+                                    : operators_run_ + " waits to go on by itself: " + recording.why;
     if (recording.of_every_run)
-      return "recording is stopped: " + recording.why + "; once that is mended, wait 30 s and start the run again";
+      return "recording is stopped: " + recording.why + "; once that is mended, start the run again";
   }
   if (verb == Verb::stop && operators_run_.empty() && !run_.latest().run.on) return "nothing to stop: no run goes on";
   return {};

@@ -84,6 +84,9 @@ TEST_F(OperatorRequestsTest, WhereTheDiskIsFullARunThatGoesOnIsNotBlamedForIt) {
   EXPECT_EQ(ask(Verb::start, "b"),
             "recording is stopped: disk full: 12 MB are free in /runs, a run needs 288 MB: free 276 MB more there; "
             "once that is mended, run \"a\", started by anna (uid 1000) goes on by itself within 30 s");
+  sink.in_the_way = {"a new run begins within 30 s", false};
+  EXPECT_EQ(ask(Verb::start, "b"),
+            "run \"a\", started by anna (uid 1000) waits to go on by itself: a new run begins within 30 s");
   EXPECT_EQ(ask(Verb::stop), "");
   EXPECT_EQ(sink.requests.size(), 2u) << "what is refused is not told of";
 }
@@ -91,9 +94,8 @@ TEST_F(OperatorRequestsTest, WhereTheDiskIsFullARunThatGoesOnIsNotBlamedForIt) {
 TEST_F(OperatorRequestsTest, ARunThatCouldNotBeRecordedIsRefusedWithTheReason) {
   begin(true);
   sink.in_the_way = {"disk full: free 276 MB more", true};
-  EXPECT_EQ(
-      ask(Verb::start, "a"),
-      "recording is stopped: disk full: free 276 MB more; once that is mended, wait 30 s and start the run again");
+  EXPECT_EQ(ask(Verb::start, "a"),
+            "recording is stopped: disk full: free 276 MB more; once that is mended, start the run again");
   EXPECT_TRUE(sink.requests.empty());
   sink.in_the_way = {"recorder fell behind", false};
   EXPECT_EQ(ask(Verb::start, "a"), "") << "what ended the drive's run does not keep another from being recorded";

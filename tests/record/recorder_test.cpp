@@ -143,6 +143,31 @@ TEST_F(RecorderTest, AFullDiskIsInTheWayOfEveryRunAndSaysHowMuchIsMissing) {
   EXPECT_FALSE(std::filesystem::exists(scratch.path("reserve"))) << "what is missing is not taken by the reserve";
 }
 
+// The drive has begun a run that could not be recorded, and somebody mends what was in the way.
+TEST_F(RecorderTest, WhatIsMendedIsNoObstacleAnyMoreAndTheLogWaitsForTheRun) {
+  std::filesystem::create_directories(scratch.path("reserve/in the way"));
+  Recorder recorder(recorder_options(scratch.path(), notices));
+  ASSERT_TRUE(eventually([&] { return recorder.obstacle().of_every_run; }));
+  SyntheticStream stream = stream_to(recorder);
+  stream.starts();
+  stream.play(2.0);
+  ASSERT_TRUE(eventually([&] { return notices.hold("recording stops: "); }));
+  EXPECT_EQ(recorder.state(raw_now_ns()).alarms.size(), 1u);
+  std::filesystem::remove_all(scratch.path("reserve"));
+  ASSERT_TRUE(eventually([&] { return !recorder.obstacle().of_every_run; })) << "an operator may start a run";
+  EXPECT_EQ(recorder.obstacle().why, "what kept runs from being recorded is mended; a new run begins within 30 s");
+  EXPECT_FALSE(recorder.take_restart());
+  EXPECT_FALSE(notices.hold("runs can be recorded again")) << notices.text();
+}
+
+TEST_F(RecorderTest, WhereNoRunWaitsTheLogTellsAtOnceThatRunsCanBeRecorded) {
+  std::filesystem::create_directories(scratch.path("reserve/in the way"));
+  Recorder recorder(recorder_options(scratch.path(), notices));
+  ASSERT_TRUE(eventually([&] { return recorder.obstacle().of_every_run; }));
+  std::filesystem::remove_all(scratch.path("reserve"));
+  EXPECT_TRUE(eventually([&] { return notices.hold("runs can be recorded again"); }));
+}
+
 TEST_F(RecorderTest, AThreadThatDoesNotTurnIsAnAlarm) {
   Recorder recorder(recorder_options(scratch.path(), notices));
   const RecorderState state = recorder.state(raw_now_ns() + 7'000'000'000);
