@@ -38,6 +38,7 @@ RunSummary headline_of(const std::string& file, const RunReader& reader) {
   run.header = reader.header();
   run.end = reader.end();
   run.span_s = reader.span_s();
+  run.ended_utc = reader.ended_utc();
   return run;
 }
 
@@ -113,6 +114,7 @@ Json summary_json(const RunSummary& run) {
           {"rig", run.rig.empty() ? Json(nullptr) : Json(run.rig)},
           {"key", run.key},
           {"span_s", run.span_s ? json_number(*run.span_s) : Json(nullptr)},
+          {"ended", run.ended_utc.empty() ? Json(nullptr) : Json(run.ended_utc)},
           {"header", json_or_text(to_json(run.header))},
           {"end", run.end ? json_or_text(to_json(*run.end)) : Json(nullptr)},
           {"dwells", std::move(dwells)},

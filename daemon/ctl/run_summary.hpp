@@ -20,6 +20,7 @@ struct RunSummary {
   std::string rig;               // its name; empty: this program cannot read the rig file
   std::string key;               // fingerprint
   std::optional<double> span_s;  // from the first to the last entry of the stream; none: it holds nothing
+  std::string ended_utc;         // RunReader::ended_utc()
   std::optional<record::RunEnd> end;
   std::vector<DwellView> dwells;            // those that have ended
   std::vector<record::StoredModel> models;  // estimates from transients and verifications, by position

@@ -76,7 +76,9 @@ Section facts(const RunSummary& run, std::size_t columns) {
   }
   add("begun", begun_text(header));
   add("comment", header.comment);
-  add("ended", run.end ? run.end->utc + ": " + run.end->why : "");
+  if (run.end && header.is_child()) add("computed", run.end->utc);
+  if (run.end && !header.is_child())
+    add("ended", (run.ended_utc.empty() ? kNoNumber : run.ended_utc) + ": " + run.end->why);
   add("stream", stream_text(run));
   if (header.is_child() && run.span_s) add("covers", duration_text(*run.span_s) + " of the parent's stream");
   add("channels", list_of(header.channels));

@@ -104,6 +104,14 @@ std::string page_foot(const Selection& selection, const record::Audit& audit) {
          digits(audit.head, 16) + "\"; font: 8pt sans-serif; color: #444; } }\n";
 }
 
+// The stream's end, so that begun + duration = ended. The `end` entry is written later.
+std::string ended_text(const Selection& selection) {
+  const auto& end = selection.end();
+  if (!end) return "not closed: still recorded, or cut off";
+  if (selection.header().is_child()) return "";
+  return selection.ended_utc() + ": " + end->why;
+}
+
 std::string front(const Selection& selection, const RunStory& story, const record::Audit& audit,
                   const Provenance& provenance) {
   const record::RunHeader& run = selection.header();
@@ -123,10 +131,9 @@ std::string front(const Selection& selection, const RunStory& story, const recor
                     "shows.") +
         (audit.of_ledger ? " That the ledger knows the key proves nothing: who forges a run can forge its ledger."
                          : ""));
-  const auto& end = selection.end();
   html +=
       html_facts({{"begun", run.start_utc},
-                  {"ended", end ? end->utc + ": " + end->why : std::string("not closed: still recorded, or cut off")},
+                  {"ended", ended_text(selection)},
                   {selection.header().is_child() ? "covers" : "duration", seconds_text(story.span_s, 1)},
                   {"samples", selection.header().is_child() ? std::string()
                                                             : std::to_string(story.samples) + " of " +

@@ -36,6 +36,7 @@ class Selection {
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   [[nodiscard]] const record::RunHeader& header() const noexcept { return reader_.header(); }
   [[nodiscard]] const std::optional<record::RunEnd>& end() const noexcept { return reader_.end(); }
+  [[nodiscard]] std::string ended_utc() const { return reader_.ended_utc(); }  // RunReader::ended_utc()
   // As it was recorded; its channels are those of the stream.
   [[nodiscard]] const config::RigFile& rig_file() const noexcept { return rig_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_.rig; }

@@ -8,7 +8,6 @@
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/last_entry.hpp"
 #include "daemon/record/run_reader.hpp"
-#include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
 namespace {
@@ -28,14 +27,6 @@ Result<std::uint64_t> ended_dwells(RunReader& reader) {
   });
   if (!read) return tl::unexpected(read.error());
   return dwells;
-}
-
-// When the stream ended, UTC; empty: not known. The `end` entry does not say so of a child: it says when the child was
-// computed.
-std::string end_of_stream(const RunReader& reader) {
-  const auto began_ns = parse_utc(reader.header().start_utc);
-  if (!began_ns) return reader.end() ? reader.end()->utc : std::string();
-  return iso_utc(*began_ns + static_cast<std::int64_t>(1e9 * reader.span_s().value_or(0.0)));
 }
 
 bool comes_before(const ListedRun& a, const ListedRun& b) { return a.run != b.run ? a.run < b.run : a.file < b.file; }
@@ -65,7 +56,7 @@ ListedRun look_at_run(const std::string& directory, const std::string& name) {
   listed.dwells = *dwells;
   listed.state = reader->end() ? "closed" : "cut off";
   listed.samples = reader->end() ? reader->end()->samples : 0;
-  listed.ended_utc = end_of_stream(*reader);
+  listed.ended_utc = reader->ended_utc();
   if (auto entries = ChainReader::open(path, ChainSort::run)) {
     if (const auto last = last_entry(*entries)) listed.head = hex(last->head);
   }

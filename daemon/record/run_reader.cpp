@@ -8,6 +8,7 @@
 #include "daemon/record/ahead.hpp"
 #include "daemon/record/block.hpp"
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
 namespace {
@@ -201,6 +202,12 @@ std::optional<double> RunReader::span_s() const noexcept {
   const std::int64_t to_ns = child ? impl_->ended_ns.value_or(from_ns) : impl_->end_ns;
   if (to_ns <= from_ns) return std::nullopt;
   return 1e-9 * (static_cast<double>(to_ns) - static_cast<double>(from_ns));
+}
+
+std::string RunReader::ended_utc() const {
+  const auto began_ns = parse_utc(header().start_utc);
+  if (!began_ns) return {};
+  return iso_utc(*began_ns + static_cast<std::int64_t>(1e9 * span_s().value_or(0.0)));
 }
 
 Result<void> RunReader::blocks(const TakeBlock& take) { return impl_->blocks(1, take); }

@@ -33,6 +33,9 @@ class RunReader {
   // Duration of the stream, s. A child file holds no stream: then that of its parent's stream, by the entries `run` and
   // `end`. None: not known.
   [[nodiscard]] std::optional<double> span_s() const noexcept;
+  // UTC of the stream's end: begun + span_s(). Not the `utc` of the `end` entry, which says when that was written; of a
+  // child file, when it was computed. Empty: not known.
+  [[nodiscard]] std::string ended_utc() const;
 
   // Each hands its items to `take`, in order, as long as that returns true. take must not call this reader. Fails with
   // "FILE: entry N: what is wrong", possibly after some items.

@@ -8,6 +8,7 @@
 
 #include "daemon/ctl/run_summary.hpp"
 #include "daemon/record/ledger.hpp"
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/number_text.hpp"
 #include "tests/api_schema.hpp"
@@ -167,8 +168,24 @@ TEST_F(RecordVerbs, ShowTellsWhatTheRunWas) {
   for (const char* part : {"run 17 · mount A, 4 Hz · closed", "rig.toml", "anna (uid 1000)", "after the new bearing",
                            "on bench2 (Europe/Berlin), clock synchronized within", "4000 samples", "y0, reaction",
                            "dwell 1 · measuring", "stiffness", "kN/m", "3 samples of reaction came too late", "knocked",
-                           "ended      2026-07-01T10:12:20Z: operator"})
+                           "ended      2026-07-01T10:12:20.000000Z: operator"})
     EXPECT_TRUE(holds(outcome.out, part)) << part << "\n" << outcome.out;
+}
+
+// The entry `end` is written after the stream's end, and after the next run's begin if that follows at once.
+TEST_F(RecordVerbs, ARunEndsWhereItsStreamDoesInEveryView) {
+  SampleRun run = make("run.dwell");
+  run.header.start_utc = "2026-07-01T10:11:58Z";
+  write(run, key);
+  const auto shown = nlohmann::json::parse(test::run({"show", "--json", run.path}).out);
+  const auto listed = nlohmann::json::parse(test::run({"runs", "--json", folder.path("")}).out)["runs"][0];
+  const std::string ended = listed["ended"].get<std::string>();
+  EXPECT_EQ(shown["ended"], ended);
+  EXPECT_EQ(shown["end"]["utc"], "2026-07-01T10:12:20Z") << "the entry as it is";
+  const auto begun_ns = record::parse_utc(run.header.start_utc), ended_ns = record::parse_utc(ended);
+  ASSERT_TRUE(begun_ns && ended_ns) << ended;
+  EXPECT_NEAR(1e-9 * static_cast<double>(*ended_ns - *begun_ns), shown["span_s"].get<double>(), 2e-6) << "as printed";
+  EXPECT_TRUE(holds(test::run({"show", run.path}).out, "ended      " + ended + ": operator"));
 }
 
 TEST_F(RecordVerbs, ShowSaysWhereTheClocksStateIsNotKnown) {
