@@ -26,7 +26,10 @@ ChildEvents::ChildEvents(const record::RunHeader& parent, std::int64_t begin_ns,
 std::vector<record::StoredEvent> ChildEvents::follow(const Record& record, const Replay& replay) {
   std::vector<record::StoredEvent> events;
   newest_ns_ = record.t_ns;
-  stream_.take(record, replay.position());
+  // A pipeline is born with the states that hold, and a run reaches back to that: its own file does not tell those
+  // before it began.
+  if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::begins)) run_began_ = true;
+  if (record.kind != Kind::channel_state || run_began_) stream_.take(record, replay.position());
   if (record.t_ns >= drain_ns_) drain(events);
   if (!replay.state_changed()) return events;
   const std::optional<Dwell> dwell = replay.current();

@@ -33,6 +33,7 @@ class ChildEvents {
   std::int64_t start_utc_ns_, begin_ns_, newest_ns_, drain_ns_;
   record::StreamNames names_;
   record::StreamEvents stream_;
+  bool run_began_ = false;
   State state_ = State::idle;
 };
 

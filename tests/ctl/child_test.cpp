@@ -305,6 +305,29 @@ TEST_F(ChildTest, IsWrittenAtNoNameThatMeansSomethingElse) {
   }
 }
 
+// The run's own file tells of a channel's state from the run's begin on. Its pipeline was born before, with the states
+// that held then.
+TEST_F(ChildTest, TellsNoStateFromBeforeItsRunBegan) {
+  StreamBuilder stream(bench(), {.frequency_hz = 6.0, .amplitude = 3e-3, .ramp_s = 0.2}, 6);
+  for (std::uint16_t channel = 0; channel < 3; ++channel) stream.add(Kind::channel_state, channel, 0);
+  stream.run_to(1.0);
+  stream.add(Kind::run, 0, static_cast<std::uint8_t>(RunEdge::begins));
+  stream.run_to(2.0);
+  stream.add(Kind::channel_state, 1, static_cast<std::uint8_t>(Fault::silent));
+  stream.run_to(5.0);
+  const std::string parent = folder.path("run.dwell"), child = folder.path("child.dwell");
+  test::write_run(parent, bench().rig_text(), stream.end());
+  (void)make_child(parent, bench().rig_text(), child);
+  std::vector<std::string> faults;
+  auto reader = record::RunReader::open(child);
+  ASSERT_TRUE(reader) << reader.error();
+  ASSERT_TRUE(reader->events([&](const record::StoredEvent& event) {
+    if (event.what == "fault") faults.push_back(event.text);
+    return true;
+  }));
+  EXPECT_EQ(faults, std::vector<std::string>{"channel y1 does not deliver: silent"});
+}
+
 TEST_F(ChildTest, WritesOverNothing) {
   const std::string parent = write("run.dwell"), kept = folder.file("kept.dwell", "kept");
   EXPECT_EQ(make_child(parent, bench().rig_text(), kept).code, kUsage);
