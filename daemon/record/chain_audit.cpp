@@ -53,9 +53,10 @@ Result<void> ChainAudit::note_holds(const ChainReader::Row& row, const std::stri
     // All but the last two lines: then the note before is gone, or it is another one.
     const std::string front = note_front(origin, seq, row.head, row.entry.t_ns);
     const bool follows_another = text->substr(0, front.size()) == front;
-    return fails(
-        "the note on " + entry_name(seq) + ": it " +
-        (follows_another ? "does not follow the note on " + entry_name(last_note_.seq) : "signs something else"));
+    const std::string found = !follows_another      ? "it signs something else"
+                              : last_note_.seq == 0 ? "it follows an earlier note, and there is none"
+                                                    : "it does not follow the note on " + entry_name(last_note_.seq);
+    return fails("the note on " + entry_name(seq) + ": " + found);
   }
   last_note_ = {seq, note_hash(row.note)};
   if (!every_signature_) unverified_ = row.note;

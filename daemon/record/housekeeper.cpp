@@ -9,6 +9,16 @@
 
 namespace dwell::record {
 
+namespace {
+
+// Rounded up.
+std::string size_text(std::uint64_t bytes) {
+  return bytes < 1'000'000 ? std::to_string((bytes + 999) / 1000) + " kB"
+                           : std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+}  // namespace
+
 // Outcomes of jobs, on their way to the recorder's thread.
 struct Housekeeper::Outcomes {
   struct Outcome {
@@ -151,7 +161,7 @@ void Housekeeper::erase(const Deletion& deletion) {
     return;
   }
   list_->remove(run.file);
-  const std::string text = run.file + " deleted, " + std::to_string(run.bytes / 1'000'000) + " MB: " + deletion.why;
+  const std::string text = run.file + " deleted, " + size_text(run.bytes) + ": " + deletion.why;
   jobs_.post([path = options_.directory + "/" + run.file, text, number = run.run, outcomes = outcomes_](const auto&) {
     const bool gone = unlink(path.c_str()) == 0;
     for (const char* part : {"-wal", "-shm"}) unlink((path + part).c_str());

@@ -189,10 +189,12 @@ Result<SigningKey> SigningKey::load(const std::string& path) {
   const bool known = ::fstat(file->get(), &status) == 0;
   const ssize_t length = ::read(file->get(), text.data(), text.size());
   if (!known || length < 0) return of_file("cannot be read");
-  if ((status.st_mode & 077u) != 0) return of_file("others than its owner may use this private key; chmod 600 it");
   text.resize(static_cast<std::size_t>(length));
+  if (PublicKey::parse(text.substr(0, text.find('\n'))))
+    return of_file("is a public key; expected the private key that belongs to it");
   if (text.substr(0, kPrivate.size()) != kPrivate || text.back() != '\n')
     return of_file("not a private key of Dwell: one line PRIVATE+KEY+NAME+HASH+BASE64 was expected");
+  if ((status.st_mode & 077u) != 0) return of_file("others than its owner may use this private key; chmod 600 it");
   text.pop_back();
   Result<KeyText> parts = parse_key_text(std::string_view(text).substr(kPrivate.size()));
   if (!parts) return of_file(parts.error());

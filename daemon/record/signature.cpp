@@ -128,8 +128,8 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
   const Result<EndedRun> run = wait_for_end(path, busy);
   if (!run) return fails(run.error());
   if (!(run->key == service.public_key()))
-    return fails(path + ": was recorded with the key " + run->key.fingerprint() +
-                 ", which is no longer the service's; sign with a key of your own");
+    return fails(path + ": was recorded with the key " + run->key.fingerprint() + ", and the service signs with " +
+                 service.public_key().fingerprint() + " now; sign with a key of your own");
   Result<ChainWriter> file = open_again(
       [&] { return ChainWriter::open(path, ChainSort::run, run->origin(), service, service.public_key(), busy); },
       busy);

@@ -147,6 +147,14 @@ TEST_F(SignVerbs, WordsThatCannotStandInTheRecordAreWrongUsage) {
   EXPECT_EQ(test::contents(run), before);
 }
 
+TEST_F(SignVerbs, APublicKeySignsNothingAndIsCalledWhatItIs) {
+  const std::string run = written("run.dwell"), own = folder.path("key");
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--name", "A", "--key", own + ".pub"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_TRUE(holds(outcome.err, own + ".pub: is a public key; expected the private key")) << outcome.err;
+}
+
 TEST_F(SignVerbs, WhatHasNotEndedIsNotSigned) {
   SampleRun run = make("open.dwell");
   run.closed = false;

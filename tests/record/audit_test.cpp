@@ -72,7 +72,7 @@ TEST(Audit, ANoteThatIsGoneIsMissedThoughALaterOneCoversItsEntries) {
   const std::string path = scratch.path("a.dwell");
   write_sample(path, {.seed = 6});
   ASSERT_TRUE(forge(path, "DELETE FROM note WHERE seq = (SELECT min(seq) FROM note)"));
-  EXPECT_TRUE(says(audited(path).where, "does not follow")) << audited(path).where;
+  EXPECT_TRUE(says(audited(path).where, "it follows an earlier note, and there is none")) << audited(path).where;
 }
 
 // The newest signature is the only one that an audit verifies; the hash in each note covers the others.
@@ -230,7 +230,12 @@ TEST(Audit, OnlyAClosedRunIsSignedAndOnlyByTheKeyThatRecordedIt) {
   const Files before = files_in(scratch);
   EXPECT_FALSE(sign_by_service(open, signature, sample_key(), {}));
   EXPECT_FALSE(sign_by_own_key(open, signature, sample_other(), {}));
-  EXPECT_FALSE(sign_by_service(closed, signature, sample_other()));
+  const auto of_another = sign_by_service(closed, signature, sample_other());
+  ASSERT_FALSE(of_another);
+  EXPECT_FALSE(says(of_another.error(), "no longer")) << "the key may be that of another rig: " << of_another.error();
+  EXPECT_TRUE(says(of_another.error(), "and the service signs with " + sample_other().public_key().fingerprint() +
+                                           " now; sign with a key of your own"))
+      << of_another.error();
   EXPECT_EQ(files_in(scratch), before);
   signature.reason = "two\nlines";
   EXPECT_FALSE(sign_by_own_key(closed, signature, sample_other()));

@@ -191,8 +191,9 @@ TEST_F(RecorderTest, RetentionDeletesWhatIsTooOldTellsTheLedgerAndSparesWhatIsKe
     Recorder recorder(options);
     EXPECT_TRUE(eventually([&] { return files().size() == 1; }));
     EXPECT_TRUE(eventually([&] { return recorder.runs()->size() == 1; }));
-    EXPECT_TRUE(eventually([&] { return notices.hold("deleted, 0 MB: older than 0 days"); }));
+    EXPECT_TRUE(eventually([&] { return notices.hold(" kB: older than 0 days"); }));
   }
+  EXPECT_FALSE(notices.hold("deleted, 0 ")) << notices.text();
   EXPECT_EQ(files()[0], kept);
   const auto ledger = audit_ledger(scratch.path("ledger.dwell-ledger"), scratch.path(), {});
   ASSERT_TRUE(ledger) << ledger.error();
