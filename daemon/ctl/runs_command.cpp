@@ -15,6 +15,7 @@
 #include "daemon/ctl/run_summary.hpp"
 #include "daemon/record/run_list.hpp"
 #include "daemon/record/utc_text.hpp"
+#include "daemon/record/words.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
@@ -58,7 +59,7 @@ std::string runs_table(const Json& list) {
     dwells.push_back(integer_text(row, "dwells"));
     const double bytes = number_member(row, "bytes");
     sizes.push_back(std::isfinite(bytes) ? bytes_text(bytes) : kNoNumber);
-    labels.push_back(text_member(row, "label"));
+    labels.push_back(clipped(printable(text_member(row, "label")), record::kLabelBytes));
     files.push_back(text_member(row, "file"));
   }
   Table table;

@@ -313,6 +313,15 @@ TEST_F(RecordVerbs, RunsListsAFolderInTheirOrder) {
   EXPECT_EQ(test::run({"runs", folder.path("")}).err, "");
 }
 
+TEST_F(RecordVerbs, RunsDoesNotPadItsRowsToALabelThatNoServiceGives) {
+  SampleRun foreign = make("a.dwell");
+  foreign.header.label = std::string(100'000, 'l');
+  write(foreign, key);
+  (void)written("b.dwell");
+  std::istringstream lines(test::run({"runs", folder.path("")}).out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(width(line), 300u) << line.substr(0, 100);
+}
+
 TEST_F(RecordVerbs, RunsTellsAFileThatCannotBeReadAndListsTheOthers) {
   (void)written("a.dwell");
   (void)folder.file("b.dwell", "no database");
