@@ -50,13 +50,14 @@ std::string OperatorRequests::obstacle(Verb verb) const {
     if (recording.of_every_run)
       return "recording is stopped: " + recording.why + "; once that is mended, start the run again";
   }
-  if (verb == Verb::stop && operators_run_.empty() && !run_.latest().run.on) return "nothing to stop: no run goes on";
+  if (verb == Verb::stop && operators_run_.empty() && !ended_.goes_on(run_.latest().run))
+    return "nothing to stop: no run goes on";
   return {};
 }
 
 std::string OperatorRequests::standing() const {
   if (!operators_run_.empty()) return operators_run_;
-  return run_.latest().run.on ? "a run of the drive" : "no run";
+  return ended_.goes_on(run_.latest().run) ? "a run of the drive" : "no run";
 }
 
 tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& request, const record::Person& by) {
@@ -72,7 +73,11 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
   told.event.before = standing();
   told.event.comment = request.comment;
   if (request.verb == Verb::start) operators_run_ = "run \"" + request.label + "\", started by " + record::who(by);
-  if (request.verb == Verb::stop) operators_run_.clear();
+  if (request.verb == Verb::start) ended_.started(run_.latest().run);
+  if (request.verb == Verb::stop) {
+    operators_run_.clear();
+    ended_.stopped(run_.latest().run);
+  }
   told.event.after = request.verb == Verb::stop ? "no run" : standing();
   log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));
   if (recorder_ != nullptr) recorder_->request(std::move(told));

@@ -10,6 +10,7 @@
 
 #include "daemon/log/log.hpp"
 #include "daemon/record/request.hpp"
+#include "daemon/run/ended_runs.hpp"
 #include "daemon/run/run.hpp"
 
 namespace dwell {
@@ -46,6 +47,7 @@ class OperatorRequests {
   std::uint16_t number_ = 0;  // of the newest request
   // The current operator's run, in words; empty: there is none. Only `stop` ends it, which comes through here too.
   std::string operators_run_;
+  EndedRuns ended_;
 };
 
 }  // namespace dwell
