@@ -52,6 +52,10 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
             "\n";
   for (const std::string& line : ledger->missing) text += printable(request.ledger + ": missing: " + line) + "\n";
   for (const std::string& line : ledger->deleted) text += "  deleted: " + printable(line) + "\n";
+  if (ledger->foreign_anchors > 0)
+    text += "  anchors: " + std::to_string(ledger->foreign_anchors) +
+            (ledger->foreign_anchors == 1 ? " line is" : " lines are") +
+            " of another ledger, so nothing was compared with " + (ledger->foreign_anchors == 1 ? "it\n" : "them\n");
   return text;
 }
 
@@ -88,6 +92,7 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
     document["ledger_trusted"] = ledger->trusted;
     document["missing"] = ledger->missing;
     document["deleted"] = ledger->deleted;
+    document["foreign_anchors"] = ledger->foreign_anchors;
   }
   return document;
 }

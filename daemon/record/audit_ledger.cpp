@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <string_view>
@@ -67,6 +68,10 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
     if (std::string line = missing(run, directory); !line.empty()) audit.missing.push_back(std::move(line));
   }
   for (std::string& line : unknown(ledger->book, *anchors)) audit.missing.push_back(std::move(line));
+  audit.foreign_anchors = static_cast<std::size_t>(
+      std::count_if(anchors->begin(), anchors->end(), [own = ledger->book.origin()](const Anchor& anchor) {
+        return anchor.origin.rfind("dwell/ledger/", 0) == 0 && anchor.origin != own;
+      }));
   if (options.progress) options.progress(1.0);
   return audit;
 }
