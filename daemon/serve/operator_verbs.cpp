@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/printable.hpp"
 #include "daemon/record/utf8.hpp"
 #include "daemon/record/words.hpp"
 
