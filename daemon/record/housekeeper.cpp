@@ -138,8 +138,7 @@ void Housekeeper::choose(const ClockPair& now, const std::string& doubt) {
   deletions_.assign(chosen.begin(), chosen.end());
   if (old == 0 || std::exchange(told_doubt_, doubt) == doubt || doubt.empty()) return;
   tell_({Notice::Grade::warning,
-         std::to_string(old) + (old == 1 ? " run seems" : " runs seem") +
-             " too old to be kept; nothing is deleted by age: " + doubt,
+         "runs that seem too old to be kept: " + std::to_string(old) + "; nothing is deleted by age: " + doubt,
          0,
          {}});
 }

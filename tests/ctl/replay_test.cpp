@@ -42,7 +42,7 @@ TEST(Replay, GivesTheSameAroundLongPiecesOfWork) {
   SimulatedRig large{random_chain(rng, 12, Boundary::free, 10.0), 10.0, 500.0, 1e-6};
   for (double& r : large.chain.damping) r *= 5;
   StreamBuilder stream(large, {.frequency_hz = 10.0, .amplitude = 2e-3, .ramp_s = 0.1}, 1);
-  stream.run_to(12.0);
+  stream.run_to(11.0);
   stream.add(Kind::action, 0, static_cast<std::uint8_t>(Action::rearm));
   stream.run_to(20.0);
   const test::TemporaryFolder folder;

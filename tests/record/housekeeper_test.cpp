@@ -83,7 +83,7 @@ TEST_F(RetentionByAgeTest, NothingIsDeletedWhileTheClockIsNotSynchronized) {
       0.0, [this] { return deleted() || notices.hold("too old"); }, 401.0);
   EXPECT_FALSE(deleted());
   EXPECT_TRUE(
-      notices.hold("1 run seems too old to be kept; nothing is deleted by age: the computer's clock is not "
+      notices.hold("runs that seem too old to be kept: 1; nothing is deleted by age: the computer's clock is not "
                    "synchronized"))
       << notices.text();
 }
