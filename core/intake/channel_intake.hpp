@@ -69,6 +69,8 @@ class ChannelIntake {
   [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
   // Whether the newest reading equals the one before.
   [[nodiscard]] bool repeats() const noexcept { return times_.repeats(); }
+  // ReadingTimes::read_same_s
+  [[nodiscard]] double read_same_s() const noexcept { return times_.read_same_s(); }
   // For how long the reading has been one and the same.
   [[nodiscard]] double same_for_s() const noexcept { return times_.same_for_s(); }
   // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.

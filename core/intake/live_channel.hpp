@@ -155,7 +155,7 @@ inline double LiveChannel::count(const Reading& reading) noexcept {
 inline bool LiveChannel::stuck(double period_s) const noexcept {
   if (!intake_.repeats()) return false;
   const double same_for_s = intake_.same_for_s();
-  return same_for_s > kStuck_s && same_for_s > kLostPeriods * period_s;
+  return same_for_s > kStuck_s && same_for_s > kLostPeriods * period_s && intake_.read_same_s() > period_s;
 }
 
 }  // namespace dwell

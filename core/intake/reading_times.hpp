@@ -16,7 +16,10 @@ class ReadingTimes {
     ++count_;
     if (first_ns_ == INT64_MIN) first_ns_ = t_ns;
     newest_ns_ = t_ns;
-    if (raw != number_) changed_ns_ = t_ns;
+    if (raw != number_)
+      changed_ns_ = t_ns, same_ = 0;
+    else
+      ++same_;
     number_ = raw;
     return before;
   }
@@ -24,6 +27,7 @@ class ReadingTimes {
   void add_different(std::size_t readings, std::int64_t last_ns, double last) noexcept {
     count_ += readings;
     newest_ns_ = changed_ns_ = last_ns;
+    same_ = 0;
     number_ = last;
   }
   // The newest reading; NAN: there is none.
@@ -46,6 +50,8 @@ class ReadingTimes {
   [[nodiscard]] double interval_s() const noexcept { return mean_interval().s(); }
   // Whether the newest reading equals the one before.
   [[nodiscard]] bool repeats() const noexcept { return changed_ns_ != newest_ns_; }
+  // So many readings, at their mean interval, have been the same, s: a pause between two is none of it.
+  [[nodiscard]] double read_same_s() const noexcept { return static_cast<double>(same_) * interval_s(); }
   // For how long the reading has been the same, s.
   [[nodiscard]] double same_for_s() const noexcept {
     return changed_ns_ == INT64_MIN ? 0.0 : 1e-9 * static_cast<double>(newest_ns_ - changed_ns_);
@@ -58,7 +64,7 @@ class ReadingTimes {
  private:
   double number_ = NAN;
   std::int64_t newest_ns_ = INT64_MIN, changed_ns_ = INT64_MIN, first_ns_ = INT64_MIN;
-  std::uint64_t count_ = 0;
+  std::uint64_t count_ = 0, same_ = 0;  // readings; those that equal the one before
 };
 
 }  // namespace dwell

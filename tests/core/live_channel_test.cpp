@@ -79,6 +79,16 @@ TEST(LiveChannel, OneReadingForLongerThanTwoPeriodsIsStuckUntilItChanges) {
   EXPECT_FALSE(channel.stuck(kLivePeriod_s));
 }
 
+// A service that was held up read one value before the pause and the same after it, and the dwell ended.
+TEST(LiveChannel, APauseBetweenTwoEqualReadingsIsNotStuck) {
+  LiveChannel channel{Channel{}};
+  std::int64_t t_ns = 0;
+  for (int i = 0; i < 1000; ++i, t_ns += kLiveStep_ns) hear(channel, reading_at(t_ns, i % 7));
+  hear(channel, reading_at(t_ns, 1.0));
+  hear(channel, reading_at(t_ns + 3'000'000'000, 1.0));
+  EXPECT_FALSE(channel.stuck(kLivePeriod_s));
+}
+
 TEST(LiveChannel, AReadingIsLateBeyondOneAndAHalfTimesTheUsualTurnaroundOfThisHold) {
   LiveChannel channel{Channel{}};
   for (int i = 0; i < 10; ++i) channel.count({i * kLiveStep_ns, 0.0, 1'000'000});
