@@ -69,7 +69,7 @@ class ChannelIntake {
   [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
   // Whether the newest reading equals the one before.
   [[nodiscard]] bool repeats() const noexcept { return times_.repeats(); }
-  // ReadingTimes::read_same_s
+  // How long the equal readings lasted if each lasted a mean interval, s.
   [[nodiscard]] double read_same_s() const noexcept { return times_.read_same_s(); }
   // For how long the reading has been one and the same.
   [[nodiscard]] double same_for_s() const noexcept { return times_.same_for_s(); }

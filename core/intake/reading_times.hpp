@@ -16,10 +16,11 @@ class ReadingTimes {
     ++count_;
     if (first_ns_ == INT64_MIN) first_ns_ = t_ns;
     newest_ns_ = t_ns;
-    if (raw != number_)
-      changed_ns_ = t_ns, same_ = 0;
-    else
-      ++same_;
+    ++same_;
+    if (raw != number_) {
+      changed_ns_ = t_ns;
+      same_ = 0;
+    }
     number_ = raw;
     return before;
   }
@@ -50,7 +51,7 @@ class ReadingTimes {
   [[nodiscard]] double interval_s() const noexcept { return mean_interval().s(); }
   // Whether the newest reading equals the one before.
   [[nodiscard]] bool repeats() const noexcept { return changed_ns_ != newest_ns_; }
-  // So many readings, at their mean interval, have been the same, s: a pause between two is none of it.
+  // How long the equal readings lasted if each lasted a mean interval, s: a pause between two adds nothing.
   [[nodiscard]] double read_same_s() const noexcept { return static_cast<double>(same_) * interval_s(); }
   // For how long the reading has been the same, s.
   [[nodiscard]] double same_for_s() const noexcept {

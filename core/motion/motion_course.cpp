@@ -328,9 +328,8 @@ class Course {
     bool raised = false;
     for (Index a = 0; a < at.theta.size(); ++a) {
       const Parameter& p = out_.parameters[static_cast<std::size_t>(a)];
-      const double variance = out_.fit.covariance(a, a);  // of ln σ; 0 at its bound
-      if (p.what != Unknown::noise || (variance > 0 && variance < kUntoldNoise && out_.fit.undetermined(a) < 0.5))
-        continue;
+      const double variance = out_.fit.covariance(a, a);  // of ln σ; 0 at its bound, or where no reading tells it
+      if (p.what != Unknown::noise || (variance > 0 && variance < kUntoldNoise)) continue;
       const double least = std::log(noise_of(p.index));
       if (!std::isfinite(least) || least <= at.theta(a)) continue;
       out_.limits.lowest(a) = at.theta(a) = least;

@@ -6,7 +6,7 @@
 // readings a period has. The noise stays, but is told by fewer independent residuals: those of high degree keep the
 // highest frequencies alone. With w_i the weights of the residual, at equal steps,
 //
-//   ρ_k = Σ w_i w_{i+k} / Σ w_i²,   u(σ)/σ = √(Σ ρ_k² / (2 N e)),
+//   ρ_k = Σ w_i w_{i+k} / Σ w_i²,   u(σ)/σ = √(Σ ρ_k² / (2 N e)),   k = -2m … 2m,
 //
 // e the efficiency of the median deviation that gives σ. m goes from 2 to 6 while σ + u(σ) falls, and the last of
 // these is taken, so that the choice does not make it too small.

@@ -1,11 +1,13 @@
 #include "core/motion/table_activity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/base/angle.hpp"
 #include "core/motion/alike_stretches.hpp"
+#include "core/motion/neighbour_weights.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
@@ -59,14 +61,13 @@ std::vector<std::vector<Departure>> departures(const Rig& rig, const MotionData&
   for (std::size_t c = 0; c < by.size(); ++c)
     for (std::size_t i = 2; i + 2 < by[c].size(); ++i) {
       const auto at = [&](std::size_t k) -> const MotionReading& { return data.readings[by[c][k]]; };
-      double residual = at(i).value, variance = 1.0;
-      for (const std::size_t a : {i - 2, i - 1, i + 1, i + 2}) {
-        double weight = 1.0;
-        for (const std::size_t b : {i - 2, i - 1, i + 1, i + 2})
-          if (b != a && at(a).t_ns != at(b).t_ns)
-            weight *= static_cast<double>(at(i).t_ns - at(b).t_ns) / static_cast<double>(at(a).t_ns - at(b).t_ns);
-        residual -= weight * at(a).value;
-        variance += weight * weight;
+      std::array<double, 5> t_ns{}, weights{};
+      for (std::size_t a = 0; a < t_ns.size(); ++a) t_ns[a] = static_cast<double>(at(i + a - 2).t_ns - at(i).t_ns);
+      neighbour_weights(t_ns.data(), 2, weights.data());
+      double residual = 0.0, variance = 0.0;
+      for (std::size_t a = 0; a < weights.size(); ++a) {
+        residual -= weights[a] * at(i + a - 2).value;
+        variance += weights[a] * weights[a];
       }
       out[c].push_back({by[c][i], std::abs(residual) / std::sqrt(variance)});
     }
@@ -79,7 +80,7 @@ double median_sigma(const std::vector<Departure>& of) {
   for (const Departure& one : of) sizes.push_back(one.size);
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;  // a normal distribution's standard deviation by its median deviation
+  return kSigmaOfMedian * *middle;
 }
 
 double readings_per_m(const Rig& rig, int channel) {

@@ -94,7 +94,7 @@ class RunCycle {
   void drop(std::size_t pipeline);
   // Keeps the newest dwell with coefficients of the run that has ended.
   void remember_earlier();
-  // Whether the drive is on, as far as the shown pipeline and the one that it replaced know.
+  // Whether the drive is on. A newborn pipeline does not know it yet: then what the one before it knew holds.
   [[nodiscard]] bool drive_on() const;
   void told(RunPipeline& by, RunEvent event);
   void tell_state();

@@ -93,7 +93,7 @@ Result<std::string> lines_of(const PersonalSignature& signature) {
   return text;
 }
 
-// What may be signed now: stricter than what a file may hold, since files with other words exist.
+// A new signature must pass this. Files that were signed before may hold other words and are still read.
 Result<void> may_be_signed(const PersonalSignature& signature) {
   for (const auto& [what, words, most] :
        {std::tuple("name", &signature.name, kLabelBytes), std::tuple("meaning", &signature.meaning, kLabelBytes),

@@ -75,8 +75,8 @@ TEST(MotionCourse, ComesToTheMaximumThatTheTruthLeadsToWhereATableBeginsSlowly) 
   }
 }
 
-// A lesser maximum has all intensities too low: it takes the table's second tone for noise, 22 times that of the
-// readings. The bound of three times lies between the two.
+// The likelihood has a lesser maximum where all intensities are too low. There the table's second tone counts as noise,
+// which comes out 22 times too large. At the right maximum it is right; the bound of three times tells the two.
 TEST(MotionCourse, TakesNoSecondToneOfTheTableForNoise) {
   const Chain chain{Boundary::clamped, {}, {2e4}, {40}};
   const Rig rig = rig_of(chain, 4.0);

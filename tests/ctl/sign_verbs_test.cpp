@@ -108,7 +108,8 @@ TEST_F(SignVerbs, WordsThatAreNotUtf8AreRefusedAndTheFileStaysAsItWas) {
   }
 }
 
-// One rule for every text that goes into the record, and it says which text, what is wrong and what may be.
+// The same rule holds for every text that goes into the record. A refusal names the text, what is wrong and what is
+// allowed.
 TEST_F(SignVerbs, WordsThatCannotStandInTheRecordAreWrongUsage) {
   const std::string run = written("run.dwell"), own = folder.path("key");
   ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);

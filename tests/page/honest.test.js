@@ -187,7 +187,7 @@ const isStruck = (page, selector) => page.evaluate((s) => {
   return nodes.length > 0 && nodes.every(lined);
 }, selector);
 
-// A stream of which only the first word comes, while all that is asked for is answered.
+// The stream sends its first event and then nothing. Every request is answered.
 async function openStalled() {
   const page = await browser.newPage({ viewport: SIZES.desk });
   page.setDefaultTimeout(PATIENCE_MS);

@@ -1,4 +1,5 @@
-// Names of channels as long as the rig file allows, of which most letters are the same: everything stays in view and apart.
+// Channel names of the greatest length that the rig file allows, alike but for a few letters: all stay in view, and no two
+// look the same.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { check } from './accessible.js';
