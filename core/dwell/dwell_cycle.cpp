@@ -17,7 +17,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   // windows agree with later ones.
   if (unknown) data.acquire(from, to, centre_ns, near);
   const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
-  if (!delivers(drive_channel())) return lose_data();
+  // At rest a channel without noise reads one and the same value, too.
+  if (!delivers(drive_channel()) || (!states.at_rest() && live[drive_channel()].stuck(period_s()))) return lose_data();
   if (!fit.usable) return windows.length().not_fitted(fit.samples > 0);
   windows.length().fitted();
   const DriveTracker::Window table{centre_ns, fit, as_observed(rig, drive_channel(), fit.X[0], omega(), 1),

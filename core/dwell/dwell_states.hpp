@@ -13,7 +13,7 @@ namespace dwell {
 enum class Phase : std::uint8_t {
   idle,                // the table does not move
   interlocked,         // the interlock is open: nothing begins, however the table moves
-  unseen,              // the drive cannot be seen: its channel does not deliver, or its sync pulses do not come
+  unseen,              // the drive cannot be seen: its channel is silent or stuck, or its sync pulses do not come
   unseen_interlocked,  // both
   settling,            // the drive is steady, the transient is not over
   unconfirmed,         // the transient seems to be over, but readings are rounded: more data must confirm it

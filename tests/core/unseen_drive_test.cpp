@@ -16,6 +16,31 @@ Bench measuring_bench(const Chain& chain) {
                {.rate_hz = 200, .sigma = {1e-6, 1e-6, 1e-6, 0.01}});
 }
 
+// It was measured on, at the old frequency, for as long as the reading stood still.
+TEST(UnseenDrive, AStuckDriveChannelEndsTheDwellAsLostWhateverTheTableDoes) {
+  const Chain chain = clamped_chain();
+  Bench bench = measuring_bench(chain);
+  bench.run(20);
+  ASSERT_EQ(bench.pipeline.state(), State::measuring);
+  bench.alter = [](Record& record, double) {
+    if (record.channel == 0) record.value = 1.234e-3;
+  };
+  bench.set_drive(steady_drive(4.05));
+  bench.run(22);
+  EXPECT_EQ(bench.pipeline.state(), State::fault);
+  ASSERT_EQ(bench.dwells.size(), 1U);
+  EXPECT_EQ(bench.dwells[0].ended_by, EndedBy::data_lost);
+  EXPECT_EQ(bench.dwells[0].elements[0].reason, "y0: stuck at one reading");
+  EXPECT_TRUE(bench.dwells[0].elements[1].identifiable);
+  const Dwell unseen = bench.pipeline.current();
+  EXPECT_EQ(unseen.settling_reason.find("the drive is not seen: y0 is stuck at one reading for 1."), 0U)
+      << unseen.settling_reason;
+  bench.alter = nullptr;
+  bench.run(60);
+  ASSERT_EQ(bench.pipeline.state(), State::measuring);
+  EXPECT_NEAR(bench.pipeline.current().frequency_hz.value, 4.05, 1e-3);
+}
+
 // An encoder of a table at rest reads one and the same value: that is no fault of it.
 TEST(UnseenDrive, ATableThatStopsWithinAStepOfItsEncoderIsAtRest) {
   const Chain chain = clamped_chain();
