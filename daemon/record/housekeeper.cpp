@@ -52,11 +52,12 @@ Housekeeper::Housekeeper(HousekeepingOptions options, RunFolder& folder, std::sh
 Housekeeper::~Housekeeper() = default;
 
 void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
-  if (next_retention_ns_ == 0) {
+  if (!next_retention_ns_) {
     look_at_all(recorded != nullptr ? recorded->file : std::string());
     next_retention_ns_ = now.raw_ns;
   }
-  const bool changed = listed_ != (recorded != nullptr ? recorded->file : std::string());
+  // Where jobs do not find room, whatever needs one waits for another turn.
+  const bool changed = !jobs_.full() && listed_ != (recorded != nullptr ? recorded->file : std::string());
   if (changed) {
     list(recorded);
     next_retention_ns_ = now.raw_ns;
@@ -115,12 +116,12 @@ void Housekeeper::retain(const ClockPair& now) {
   const std::string doubt = options_.retention.days ? age_doubt_.at(now, options_.clock_synchronized()) : std::string();
   if (!outcomes_->all_listed()) return;
   if (!doubt.empty()) std::erase_if(deletions_, [](const Deletion& deletion) { return deletion.by_age; });
-  if (now.raw_ns >= next_retention_ns_) {
+  if (now.raw_ns >= *next_retention_ns_) {
     next_retention_ns_ = now.raw_ns + kRetentionPeriod_ns;
     choose(now, doubt);
   }
   // Deletes one run a turn, for each waits for the disk.
-  if (deletions_.empty()) return;
+  if (deletions_.empty() || jobs_.full()) return;
   const Deletion deletion = std::move(deletions_.front());
   deletions_.pop_front();
   erase(deletion);

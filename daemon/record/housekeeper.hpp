@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/record/anchor_delivery.hpp"
@@ -71,8 +72,9 @@ class Housekeeper {
   JobThread jobs_;
   RunAudits audits_;
   std::string listed_;  // file of the current run
-  std::int64_t next_anchor_ns_ = 0, next_retention_ns_ = 0;
-  std::map<std::string, Digest> anchored_;  // newest head by origin
+  std::int64_t next_anchor_ns_ = 0;
+  std::optional<std::int64_t> next_retention_ns_;  // none: no turn has begun to read the directory yet
+  std::map<std::string, Digest> anchored_;         // newest head by origin
   std::deque<Deletion> deletions_;
   AgeDoubt age_doubt_;
   std::string told_doubt_;  // why old runs stay, as the log has it

@@ -42,6 +42,11 @@ bool JobThread::post(std::function<void(const Stopping&)> job) {
   return true;
 }
 
+bool JobThread::full() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->jobs.size() == kJobs;
+}
+
 void JobThread::run(const std::shared_ptr<Shared>& shared, const std::string& name) {
   pthread_setname_np(pthread_self(), name.c_str());
   const Stopping stopping = [shared] {

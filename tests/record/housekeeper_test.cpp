@@ -77,6 +77,13 @@ TEST_F(RetentionByAgeTest, AnOldRunIsDeleted) {
       0.0, [this] { return deleted(); }, 401.0);
 }
 
+// More turns than jobs may wait: the deletion found no room behind readings of the directory, and was lost.
+TEST_F(RetentionByAgeTest, AnOldRunIsDeletedHoweverManyTurnsComeBeforeTheDirectoryIsRead) {
+  for (std::size_t i = 0; i < 4 * JobThread::kJobs; ++i) turn(0.0, 401.0);
+  turn_until(
+      0.0, [this] { return deleted(); }, 401.0);
+}
+
 TEST_F(RetentionByAgeTest, NothingIsDeletedWhileTheClockIsNotSynchronized) {
   synchronized = false;
   turn_until(
