@@ -24,9 +24,12 @@ Traces::Traces(const Rig& rig)
     : bins_{TraceBins(rig.channels.size()), TraceBins(rig.channels.size()), TraceBins(rig.channels.size())} {
   traces_.reserve(rig.channels.size());
   for (const Channel& channel : rig.channels)
-    traces_.push_back({channel.scale, channel.offset,
+    traces_.push_back({channel.scale,
+                       channel.offset,
                        channel.range.low.value_or(-std::numeric_limits<double>::infinity()),
-                       channel.range.high.value_or(std::numeric_limits<double>::infinity()), false,
+                       channel.range.high.value_or(std::numeric_limits<double>::infinity()),
+                       false,
+                       {},
                        TraceReadings(readings_each(rig.channels.size()))});
 }
 
@@ -40,7 +43,8 @@ void Traces::take(const Record& record) noexcept {
     return;
   }
   if (record.kind != Kind::sample) return;
-  if ((record.flags & kGap) != 0) break_trace(channel, record.t_ns);
+  const bool paused = trace.pauses.paused_before(record.t_ns);
+  if (paused || (record.flags & kGap) != 0) break_trace(channel, record.t_ns);
   const double value = trace.scale * record.value + trace.offset;
   const float shown = kept(value);
   if (trace.withheld || !std::isfinite(shown) || value < trace.low || value > trace.high)

@@ -9,8 +9,8 @@
 // channels at 1 kHz, 43 s of 64 channels. Memory in all: 1.2 MB for each channel, and 32 MB at most.
 //
 // A bin holds its least and its greatest reading, and whether the trace is broken there: a reading is missing or not
-// shown (lost, no longer kept, out of range, not a number that a float32 holds, stuck; the channel does not deliver).
-// Instants in seconds count from the first record, the origin.
+// shown (lost, no longer kept, out of range, not a number that a float32 holds, stuck; the channel does not deliver),
+// or the readings pause. Instants in seconds count from the first record, the origin.
 #pragma once
 
 #include <array>
@@ -20,6 +20,7 @@
 
 #include "core/rig/rig.hpp"
 #include "core/stream/record.hpp"
+#include "daemon/traces/pause_finder.hpp"
 #include "daemon/traces/steady_part.hpp"
 #include "daemon/traces/trace_bins.hpp"
 #include "daemon/traces/trace_readings.hpp"
@@ -83,6 +84,7 @@ class Traces {
     double scale, offset;  // to the channel's own unit
     double low, high;      // readings beyond are not shown
     bool withheld;
+    PauseFinder pauses;
     TraceReadings readings;
   };
 

@@ -124,11 +124,34 @@ TEST_F(TracesTest, ATraceBreaksWhereReadingsAreMissingOrNotShown) {
     for (std::size_t i = 0; i < bins.size(); ++i)
       if (bins[i].broken)
         broken.push_back(static_cast<int>(static_cast<std::int64_t>(i) * stretch.step_ns / (20 * kMs_ns)));
-    EXPECT_EQ(broken, (std::vector<int>{2, 8, 9, 10, 13, 14})) << stretch.step_ns;
+    EXPECT_EQ(broken, (std::vector<int>{2, 8, 9, 10, 12, 13, 14})) << stretch.step_ns;  // 12: after a pause
   }
   const auto bins = read(0.0, 0.29, 20, 1);
   EXPECT_TRUE(bins[8].empty()) << "a reading beyond its range is not drawn";
   EXPECT_FALSE(bins[2].empty()) << "the reading after a loss is";
+}
+
+// Of the bins of 20 ms, the numbers of those that are broken.
+std::vector<int> broken(const std::vector<TraceBin>& bins) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < bins.size(); ++i)
+    if (bins[i].broken) numbers.push_back(static_cast<int>(i));
+  return numbers;
+}
+
+TEST_F(TracesTest, ATraceBreaksWhereReadingsPauseThoughNobodyTellsOfALoss) {
+  tick(0.0);
+  for (int i = 0; i < 10; ++i) sample(0.02 * i + 0.01, 1.0);
+  sample(0.23, 1.0);                                             // one reading is missing
+  for (const double t_s : {0.31, 0.33, 0.35}) sample(t_s, 1.0);  // three were
+  EXPECT_EQ(broken(read(0.0, 0.35, 20)), std::vector<int>{15});
+  EXPECT_EQ(broken(read(0.0, 0.35, 100)).size(), 1U) << "of readings";
+}
+
+TEST_F(TracesTest, AChannelWhoseReadingsComeInBurstsSoonBreaksNoMore) {
+  tick(0.0);
+  for (int i = 0; i < 320; ++i) sample(0.1 * (i / 16) + 0.001 * (i % 16), 1.0);
+  EXPECT_EQ(broken(read(0.0, 2.0, 101)), (std::vector<int>{5, 10})) << "after the second burst their pace is known";
 }
 
 TEST_F(TracesTest, AReadingThatNoFloat32HoldsIsMissing) {
