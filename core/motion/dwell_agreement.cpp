@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/wording.hpp"
+#include "core/motion/missing_wording.hpp"
 
 namespace dwell {
 namespace {
@@ -82,41 +83,47 @@ std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dw
   return out;
 }
 
-// The elements of which the term that explains the readings moves a coefficient of the dwell by more than so many times
-// its U95. nullopt: nothing explains them, or what the term moves is not known.
+// The elements of which a term that explains the readings, the likeliest or one that they do not tell from it, moves a
+// coefficient of the dwell by more than so many times its U95. nullopt: nothing explains them, or what a term moves is
+// not known.
 std::optional<std::vector<int>> moved_elements(const MotionEstimate& motion, const Dwell& dwell, double times) {
-  if (motion.missing.empty() || motion.missing.front().moves.size() < 2 * dwell.elements.size()) return std::nullopt;
-  const std::vector<double>& moves = motion.missing.front().moves;
+  if (motion.missing.empty()) return std::nullopt;
   std::vector<int> moved;
   for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
     const ElementEstimate& element = dwell.elements[e];
-    if (!element.identifiable) continue;
-    if (std::abs(moves[2 * e]) > times * element.stiffness.U95 ||
-        std::abs(moves[2 * e + 1]) > times * element.damping.U95)
-      moved.push_back(element.k);
+    bool moves = false;
+    for (const MissingTerm& term : motion.missing) {
+      if (term.moves.size() < 2 * dwell.elements.size()) return std::nullopt;
+      moves = moves || std::abs(term.moves[2 * e]) > times * element.stiffness.U95 ||
+              std::abs(term.moves[2 * e + 1]) > times * element.damping.U95;
+    }
+    if (moves && element.identifiable) moved.push_back(element.k);
   }
   return moved;
 }
 
-// The chain is not refused, but a term is named that explains the readings better.
+// The chain is not refused, but terms are named that explain the readings better.
 std::optional<Objection> better_explained(const MotionEstimate& motion, const Dwell& dwell) {
   const auto moved = moved_elements(motion, dwell, 1.0), wrong = moved_elements(motion, dwell, kWrong);
   if (!moved || moved->empty()) return std::nullopt;
-  const MissingTerm& term = motion.missing.front();
-  return Objection{"any motion: the readings are better explained with " + term.told + " (gain " + brief(term.gain) +
-                       "), which would move " + elements_text(*moved) + " by more than U95",
+  const std::string which = motion.missing.size() == 1 ? "which" : "of which at least one";
+  return Objection{"any motion: the readings are better explained with " + told_together(motion.missing) + " (gain " +
+                       brief(motion.missing.front().gain) + "), " + which + " would move " + elements_text(*moved) +
+                       " by more than U95",
                    !wrong->empty(), *moved};
 }
 
 }  // namespace
 
 std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion) {
-  const bool inside = dwell.settled_s < motion.end_s && motion.start_s < dwell.end_s;
-  if (!inside) return std::nullopt;
+  const bool of_its_hold = dwell.start_s < motion.end_s && motion.start_s < dwell.end_s;
+  if (!of_its_hold) return std::nullopt;
   if (!motion.contradicted) {
     std::optional<Objection> contradiction = contradiction_of(motion, dwell);
     return contradiction ? contradiction : better_explained(motion, dwell);
   }
+  const bool of_its_data = dwell.settled_s < motion.end_s;
+  if (!of_its_data) return std::nullopt;
   const auto moved = moved_elements(motion, dwell, 1.0);
   return Objection{"any motion: " + motion.reason, !moved || !moved->empty(), {}};
 }

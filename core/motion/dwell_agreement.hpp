@@ -22,17 +22,20 @@ namespace dwell {
 // some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
 
-// What any motion holds against a dwell whose data lie in its stretch, the first of these that is so:
+// What any motion holds against a dwell, the first of these that is so. Its stretch must hold a part of the dwell's
+// hold; the transient before the dwell's own data is enough for the last two:
 //
-// - the readings contradict the chain. The dwell's coefficients rest on the same chain, and one steady frequency
-//   cannot show that by itself;
+// - the readings contradict the chain, some of the dwell's own data among them. The dwell's coefficients rest on the
+//   same chain, and one steady frequency cannot show that by itself. A transient alone is no ground: a knock in it is
+//   over when the dwell has settled;
 // - a coefficient differs from the dwell's by five joint standard uncertainties. The rig, a transducer or a clock
 //   changed on the way, and each dwell by itself looks well. Or harmonics of the drive fold onto the fundamental: named
 //   are the channels for which the dwell's budget has a share "folded harmonics of …";
-// - a term is named that explains the readings better, and it would move a coefficient of the dwell beyond its U95.
+// - terms are named that explain the readings better, and one of them would move a coefficient of the dwell beyond its
+//   U95.
 struct Objection {
   std::string what;           // "any motion: the chain of the rig file does not explain y1; …"
-  bool grave = true;          // false: the term that explains it moves no coefficient so far that it is wrong
+  bool grave = true;          // false: no term that explains it moves a coefficient so far that it is wrong
   std::vector<int> elements;  // k of those concerned, ascending; empty: all
 };
 

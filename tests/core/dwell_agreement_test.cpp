@@ -30,6 +30,7 @@ Pair same_data(double c_motion, double c_dwell) {
   out.motion.end_s = 10.0;
   out.motion.elements = {element_with(c_motion, 2.0)};
   out.motion.u_of_noise = {1.0, 0.05};
+  out.dwell.start_s = 4.5;
   out.dwell.settled_s = 5.0;
   out.dwell.end_s = 10.0;
   out.dwell.elements = {element_with(c_dwell, 2.0)};
@@ -149,6 +150,35 @@ TEST(ObjectionToADwell, IsThatANamedTermWouldMoveItsCoefficientsBeyondTheirU95) 
   EXPECT_FALSE(objection_to(pair.dwell, pair.motion)->grave) << "beyond U95, but not by five standard uncertainties";
   pair.motion.missing[0].moves = {3.9, 0.19};
   EXPECT_FALSE(objection_to(pair.dwell, pair.motion));
+}
+
+// A weak spring to ground looks like a scale; the likelier of the two is chance, the other may be true.
+TEST(ObjectionToADwell, IsThatATermWouldMoveThemWhichTheReadingsDoNotTellFromTheLikeliest) {
+  Pair pair = contradicted({3.9, 0.0});
+  pair.motion.contradicted = false;
+  pair.motion.missing.resize(2);
+  pair.motion.missing[0].told = "a scale of y0 of 0.9965 ± 0.0022 instead of 1";
+  pair.motion.missing[0].gain = 19.5;
+  pair.motion.missing[1].told = "a spring of 7.1 ± 4.4 N/m from mass 1 to ground";
+  pair.motion.missing[1].gain = 18.9;
+  pair.motion.missing[1].moves = {4.1, 0.0};
+  const auto objection = objection_to(pair.dwell, pair.motion);
+  ASSERT_TRUE(objection);
+  EXPECT_FALSE(objection->grave) << "beyond U95, but not by five standard uncertainties";
+  EXPECT_EQ(objection->what,
+            "any motion: the readings are better explained with a scale of y0 of 0.9965 ± 0.0022 instead of 1 or a "
+            "spring of 7.1 ± 4.4 N/m from mass 1 to ground (gain 19.5), of which at least one would move element 1 by "
+            "more than U95");
+}
+
+TEST(ObjectionToADwell, MayNameATermThatTheTransientBeforeItsOwnDataTellsOf) {
+  Pair before = contradicted({10.1, 0.0});
+  before.motion.end_s = 4.6;
+  EXPECT_FALSE(objection_to(before.dwell, before.motion)) << "a knock in the transient contradicts the chain too";
+  before.motion.contradicted = false;
+  EXPECT_TRUE(objection_to(before.dwell, before.motion));
+  before.motion.end_s = 4.4;
+  EXPECT_FALSE(objection_to(before.dwell, before.motion)) << "of another hold";
 }
 
 TEST(ObjectionToADwell, IsNoneWhereOnlyTheReadingsAreTooFewOrTheDwellIsNotInTheStretch) {

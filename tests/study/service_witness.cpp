@@ -1,5 +1,7 @@
 #include "tests/study/service_witness.hpp"
 
+#include <cmath>
+
 #include "core/dwell/pipeline.hpp"
 #include "core/dwell/readings_at_fault.hpp"
 #include "core/motion/dwell_agreement.hpp"
@@ -27,6 +29,7 @@ class Service {
     const Dwell now = pipeline_.current();
     transient_.follow(now, readings_at_fault(rig_, pipeline_, now));
     verification_.follow(now);
+    if (const auto& newest = transient_.newest(); newest && std::isfinite(now.settled_s)) object(now, newest->estimate);
     estimate();
     verify();
   }
@@ -56,8 +59,13 @@ class Service {
     if (job.ended) compare(*job.ended, job.result.estimate);
     (void)transient_.take_back(std::move(job));
   }
+  void object(const Dwell& dwell, const MotionEstimate& motion) {
+    if (motion.elements.empty() && !motion.contradicted) return;
+    const auto objection = objection_to(dwell, motion);
+    if (objection && (lines_.empty() || lines_.back() != objection->what)) lines_.push_back(objection->what);
+  }
   void compare(const Dwell& dwell, const MotionEstimate& motion) {
-    if (const auto objection = objection_to(dwell, motion)) lines_.push_back(objection->what);
+    object(dwell, motion);
     if (const auto with = agreement_of(motion, dwell); with && with->contradicts)
       lines_.push_back(text("any motion: contradicts: %s of element %d by %.2g of the joint U", to_string(with->kind),
                             with->element, with->over_U));
