@@ -214,6 +214,9 @@ class Watch {
     const Json list = Json::parse(channels->body, nullptr, false);
     if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
     const Json value = Json::parse(health->body, nullptr, false);
+    const std::string rig = text_member(value, "rig"), sha256 = text_member(value, "rig_sha256");
+    if (!rig.empty() && !sha256.empty() && state_.take_rig(rig, sha256))
+      knows_earlier_ = knows_since_ = knows_last_ = false;
     if (const auto utc_ns = record::parse_utc(text_member(value, "utc"))) state_.take_utc(*utc_ns, now_s());
     ask_earlier(text_member(value, "utc"), limits);
     ask_unverified(limits);
@@ -221,9 +224,6 @@ class Watch {
     ask_last(limits);
     state_.take_run(run_text(value));
     if (value.is_object() && value.contains("gpio")) state_.take_gpio(gpio_text(value), now_s());
-    if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
-      state_.name = value["rig"].get<std::string>();
-    }
   }
 
   // While the dwell's model has no verdict: why.

@@ -129,6 +129,20 @@ void WatchState::take_gpio(std::string lines, double now_s) {
   heard_s_ = now_s;
 }
 
+bool WatchState::take_rig(std::string called, std::string sha256) {
+  name = std::move(called);
+  const bool another = !rig_.empty() && rig_ != sha256;
+  rig_ = std::move(sha256);
+  if (!another) return false;
+  dwell_.reset();
+  last_.reset();
+  unverified_.reset();
+  since_.reset();
+  renewals_ = {};
+  trend_ = {};
+  return true;
+}
+
 double WatchState::age_s(double now_s) const { return now_s - renewals_.moved_s(); }
 
 std::string WatchState::why_unverified() const {

@@ -92,6 +92,9 @@ class WatchState {
   void take_gpio(std::string lines, double now_s);
   // The newest dwell that has ended, as the service's list has it.
   void take_last(DwellView dwell);
+  // The rig that the service serves, and the SHA-256 of its file. true: it is another file than before; then what is
+  // known of dwells is of that one, and is forgotten.
+  bool take_rig(std::string called, std::string sha256);
   void take_run(std::string text) { run_ = std::move(text); }
   // Since when the service is in this state, where the dwell does not tell it.
   void take_since(State state, std::int64_t utc_ns) { since_ = {state, utc_ns}; }
@@ -169,6 +172,7 @@ class WatchState {
   Renewals renewals_;
   Trend trend_;
   std::string run_;
+  std::string rig_;  // SHA-256 of its file; empty: not told yet
   std::optional<std::pair<State, std::int64_t>> since_;
   Heard<std::vector<ChannelState>> channels_;
   Heard<AlarmsList> alarms_;

@@ -119,6 +119,20 @@ TEST(WatchState, TheDwellOfARunThatWasStoppedIsAResultAsOldAsItsEnd) {
   EXPECT_TRUE(std::isnan(state.ended_ago_s(109.0)));
 }
 
+// The service was started again with corrected masses: the numbers before are of the wrong ones.
+TEST(WatchState, ForgetsTheDwellsOfARigThatIsServedNoLonger) {
+  WatchState state;
+  EXPECT_FALSE(state.take_rig("bench 3", "a0"));
+  state.take(view_until(31.0), 100.0);
+  state.take_last(view_until(20.0));
+  EXPECT_FALSE(state.take_rig("bench 3", "a0"));
+  EXPECT_TRUE(state.dwell());
+  EXPECT_TRUE(state.take_rig("bench 3", "b1"));
+  EXPECT_FALSE(state.dwell());
+  EXPECT_EQ(state.last(), nullptr);
+  EXPECT_TRUE(state.trend().section(view_until(31.0), 101.0, 120).body.empty());
+}
+
 TEST(WatchState, AModelWithoutAVerdictHasTheFirstReason) {
   WatchState state;
   DwellView view = view_until(31.0);
