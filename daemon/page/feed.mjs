@@ -96,7 +96,10 @@ export class Feed {
     if (model !== this.#model) this.verification = null; // its reason is of the figures before
     this.#model = model;
     const told = `${dwell.start_utc} ${dwell.index} ${dwell.state} ${model}`;
-    if (told !== this.#told) this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
+    if (told !== this.#told) {
+      this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
+      this.#ask(); // a trouble of before must not stand beside the state of now
+    }
     this.#told = told;
     this.#changed();
   }
@@ -116,7 +119,8 @@ export class Feed {
     this.#asking = true;
     try {
       const [health, channels, alarms] = await Promise.all(['health', 'channels', 'alarms'].map((what) => this.#get(`/api/v1/${what}`)));
-      if (this.health && this.health.version !== health.version) location.reload(); // a newer page belongs to it
+      // A newer page belongs to it, or all that is known is of another rig.
+      if (this.health && ['version', 'rig_sha256'].some((what) => this.health[what] !== health[what])) location.reload();
       this.health = health;
       this.fresh.told(health);
       this.#ahead_ms = Date.parse(health.utc) - Date.now();

@@ -159,15 +159,17 @@ export function deviationOf(dwell, coefficient, k, nowMs) {
 }
 
 // Where a trend is drawn, in a box of this size: the band value ± U95 and the line in its middle, as paths; dwells are
-// not joined. What is known fills the width: a minute at least, an hour at most. null: nothing to draw.
+// not joined. What is known fills the width: a minute at least, an hour at most. The newest value ± its U95 takes half
+// the height, or less where an older value was further away; wider bands, as at a dwell's beginning, are cut off at the
+// edge. null: nothing to draw.
 export function trendPaths(points, nowMs, width, height) {
   if (points.length === 0) return null;
-  const low = Math.min(...points.map((p) => p.value - p.U95));
-  const high = Math.max(...points.map((p) => p.value + p.U95));
-  const span = high - low || Math.abs(high) || 1;
+  const newest = points.at(-1);
+  const most = Math.max(2 * newest.U95, ...points.map((p) => Math.abs(p.value - newest.value))) || Math.abs(newest.value) || 1;
   const reach = Math.min(HOUR_MS, Math.max(MINUTE_MS, nowMs - points[0].from));
   const x = (p) => Math.max(0, width * (1 - (nowMs - p.ms) / reach)).toFixed(1);
-  const y = (value) => (height - 1 - (height - 2) * (value - low) / span).toFixed(1);
+  const part = (value) => Math.min(1, Math.max(-1, (value - newest.value) / most));
+  const y = (value) => (height / 2 - (height / 2 - 1) * part(value)).toFixed(1);
   let line = '';
   let band = '';
   const pieces = [];

@@ -159,7 +159,8 @@ export class TracePlot {
       c.stroke();
     }
     const old = age === null ? '' : `\u25b2 old, ${lastText(age, window)}  `;
-    this.#label(`${name}  ${old}`, scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}` : 'no reading here', top);
+    this.#label(`${name}  ${old}`, scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}`
+      : window.less_dwell === null ? 'no reading here' : 'nothing is shown here', top);
   }
 
   #label(name, scale, top) {

@@ -56,6 +56,7 @@ export class TracesView {
   #came_s = -Infinity; // when the stream last went on, by the page's clock
   #last = []; // of each channel its newest reading seen, s; null: none was
   #ages = []; // of each channel, s, where it is old; else null
+  #over_s = null; // less the steady part: since when the dwell is over, so that nothing is shown; null: it is not
   #joins = false; // the stream goes on with the axis of the window
   #news = ''; // what the operator must know of the view, until he acts on it
 
@@ -104,12 +105,21 @@ export class TracesView {
   look(now, old_s) {
     if ($('traces').hidden) return;
     const quiet = now - this.#came_s;
-    const ages = this.#live && this.#window ? agesOf(this.#seenLast(), this.#newest_s, quiet, old_s) : [];
+    const ages = this.#live && this.#window ? this.#agesNow(quiet, old_s) : [];
     const stands = this.#live && quiet > old_s;
     if (this.#live) this.#view.end = stands ? `${ageText(quiet)} ago` : 'now';
     const changed = ages.some((age, c) => (age === null) !== ((this.#ages[c] ?? null) === null)) || ages.length !== this.#ages.length;
     this.#ages = ages;
-    if (changed || stands || ages.some((age) => age !== null)) this.#redraw();
+    if (changed || stands || this.#over_s !== null || ages.some((age) => age !== null)) this.#redraw();
+  }
+  // Less the steady part every trace ends with the dwell: a channel is old only where others go on.
+  #agesNow(quiet, old_s) {
+    const last = this.#seenLast();
+    const less = isNumber(this.#window.less_dwell) && last.some((t_s) => t_s !== null);
+    const newest = less ? Math.max(...last.filter((t_s) => t_s !== null)) : this.#newest_s;
+    const over = less ? this.#newest_s - newest : 0;
+    this.#over_s = over > old_s ? over : null;
+    return agesOf(last, newest, quiet, old_s);
   }
   #seenLast() {
     this.#last = this.#window.names.map((_, c) => this.#window.last_s(c) ?? this.#last[c] ?? null);
@@ -323,7 +333,8 @@ export class TracesView {
     setText($('trace-pause'), this.#live ? 'Pause' : 'Live');
     const less = isNumber(this.#window?.less_dwell);
     const wide = this.#span_s > LESS_MOST ? ` (of the last ${LESS_MOST} s in view)` : '';
-    const what = less ? `readings less the steady part of dwell ${this.#window.less_dwell}${wide}` : 'readings';
+    const over = this.#live && this.#over_s !== null ? `, which ended ${ageText(this.#over_s)} ago: nothing is shown since then` : '';
+    const what = less ? `readings less the steady part of dwell ${this.#window.less_dwell}${over}${wide}` : 'readings';
     const bins = this.#window ? `, least and greatest in ${durationText(this.#window.step_s)}` : '';
     const stands = this.#live && this.#view.end !== 'now';
     const state = stands ? `old, from ${this.#view.end}` : this.#live ? 'live' : 'paused';

@@ -3,6 +3,7 @@
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -20,6 +21,16 @@ export const TOKEN = '0123456789abcdef0123456789abcdef';
 export async function until(condition, patience_ms = PATIENCE_MS) {
   for (const deadline = Date.now() + patience_ms; !(await condition()); await new Promise((done) => setTimeout(done, 100)))
     if (Date.now() > deadline) throw new Error(`never: ${condition}`);
+}
+
+// A port that nobody listens on now.
+async function freePort() {
+  const server = createServer().listen(0, '127.0.0.1');
+  await once(server, 'listening');
+  const { port } = server.address();
+  server.close();
+  await once(server, 'close');
+  return port;
 }
 
 const running = new Set();
@@ -75,7 +86,8 @@ export class Bench {
     await bench.startRig();
     let text = await readFile(join(ROOT, 'config/rigs/clamped.toml'), 'utf8');
     text = edit(text.replace(/^port .*/m, `port = ${bench.rigPort}`).replace(/^rate .*/m, 'rate = 200'), bench.folder);
-    bench.rigFile = (port) => text.replace(/^listen .*/m, `listen = "127.0.0.1:${port}"`);
+    // The service has the same port, and so the same rig file, when it is started again.
+    bench.rigText = text.replace(/^listen .*/m, `listen = "127.0.0.1:${await freePort()}"`);
     await bench.startService();
     return bench;
   }
@@ -85,10 +97,9 @@ export class Bench {
     this.rigPort = await this.rig.said(/^tcp .*:(\d+)$/m);
   }
 
-  // A service that begins anew takes the port that it had.
   async startService() {
     const path = join(this.folder, 'rig.toml');
-    await writeFile(path, this.rigFile(this.port ?? 0));
+    await writeFile(path, this.rigText);
     this.service = new Program('dwelld', ['--config', path, '--control', join(this.folder, 'control')]);
     this.port = await this.service.said(/serving rig.* port (\d+)/);
     this.url = `http://127.0.0.1:${this.port}`;

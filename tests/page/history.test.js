@@ -111,10 +111,17 @@ test('a trend is drawn within its box, dwells apart', () => {
   const points = [{ ms: at - HOUR_MS / 4, from: at - HOUR_MS / 2, value: 10, U95: 1, key: 'a' }, { ms: at, from: at - 1, value: 12, U95: 1, key: 'b' }];
   const { line, band } = trendPaths(points, at, 100, 32);
   assert.equal(line.match(/M/g).length, 2);
-  assert.match(line, /^M0\.0 23\.5L50\.0 23\.5M97\.0 8\.5L100\.0 8\.5$/, 'half an hour fills the width');
+  assert.match(line, /^M0\.0 31\.0L50\.0 31\.0M97\.0 16\.0L100\.0 16\.0$/, 'half an hour fills the width');
   for (const [, y] of band.matchAll(/ (-?[\d.]+)/g)) assert.ok(y >= 0 && y <= 32, y);
   assert.equal(trendPaths([], at, 100, 32), null);
   assert.doesNotMatch(trendPaths([{ ms: at, from: at, value: 0, U95: 0, key: 'a' }], at, 100, 32).line, /NaN/);
+});
+
+test('the wide band at a dwell\'s beginning does not flatten the hour', () => {
+  const points = [{ ms: at - 3000, from: at - 4000, value: 10.1, U95: 5, key: 'a' }, { ms: at, from: at - 4000, value: 10, U95: 0.1, key: 'a' }];
+  const { line, band } = trendPaths(points, at, 100, 32);
+  assert.match(line, / 8\.5L100\.0 16\.0$/, 'one U of the newest is a quarter of the height');
+  for (const [, y] of band.matchAll(/ (-?[\d.]+)/g)) assert.ok(y >= 1 && y <= 31, y);
 });
 
 const phasor = (channel, amplitude, phase_rad, more) => ({ channel, unit: 'm', amplitude, phase_rad, u_amplitude: amplitude / 100,

@@ -232,7 +232,21 @@ test('when the service is gone, the status of a channel is struck as its reading
   await page.close();
 });
 
-// The last one: the service begins anew.
+test('a dwell that has ended makes no trace old: less its steady part nothing is shown, and why is said', async () => {
+  const page = await open();
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.check('#trace-less');
+  await said(page, '#trace-what', /live: readings less the steady part of dwell/);
+  bench.rig.say('stop');
+  await said(page, '#trace-what', /less the steady part of dwell \d+, which ended [\d.]+ s ago: nothing is shown since then/);
+  assert.doesNotMatch(await page.locator('#trace-what').innerText(), /old: /);
+  bench.rig.say('start');
+  await page.uncheck('#trace-less');
+  await said(page, '#trace-what', /in view, live: readings, /);
+  await page.close();
+});
+
+// The last two: the service begins anew.
 test('a paused view of a service that has begun anew says so and is live again', async () => {
   const page = await open();
   await page.click('#trace-pause');
@@ -241,5 +255,18 @@ test('a paused view of a service that has begun anew says so and is live again',
   await bench.startService();
   await said(page, '#trace-news', /^The traces begin anew at \d\d:\d\d:\d\d\.\d+ UTC: .* What was in view is of before\.$/);
   await said(page, '#trace-what', /in view, live: /);
+  await page.close();
+});
+
+test('a service that begins anew with another rig leaves no number of the rig before on an open page', async () => {
+  const page = await open();
+  bench.rig.say('stop');
+  await page.waitForSelector('#coefficients[data-source=last] .element');
+  await bench.service.end();
+  bench.rigText = bench.rigText.replace(/^masses .*/m, 'masses = [24.0, 16.0, 10.0]');
+  await bench.startService();
+  await page.waitForSelector('#state[data-kind=idle]');
+  await page.waitForSelector('#coefficients[data-source=none]');
+  assert.equal(await page.locator('.element').count(), 0);
   await page.close();
 });
