@@ -3,7 +3,8 @@
 import { applyChange } from './change.mjs';
 import { keyOf, LastNumbers } from './coefficients.mjs';
 import { Freshness } from './freshness.mjs';
-import { History } from './history.mjs';
+import { History, HOUR_MS } from './history.mjs';
+import { earlierRuns } from './runs.mjs';
 import { NOT_VERIFIED, utcMs } from './wording.mjs';
 
 const ASK_MS = 1000;
@@ -36,6 +37,7 @@ export class Feed {
   #spoke_s = -Infinity; // the stream
   #seldom_s = -Infinity; // when what changes seldom was asked for
   #asking = false;
+  #knowsEarlier = false; // the dwells of earlier runs have been asked for
   #nextEvent = 0;
   #ahead_ms = 0; // the service's clock before this computer's
   #told = '';
@@ -175,6 +177,28 @@ export class Feed {
     await this.#askWhyUnverified();
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
     await this.#askLast();
+    if (!this.#knowsEarlier) this.#askEarlier(); // it is not waited for: files are read
+  }
+
+  // Once, for the trend: the dwells of runs that ended within the last hour. Those of another rig file do not belong to it.
+  async #askEarlier() {
+    this.#knowsEarlier = true;
+    const since_ms = this.nowMs() - HOUR_MS;
+    for (const run of earlierRuns(this.runs).filter(({ ended }) => ended && Date.parse(ended) > since_ms)) {
+      try {
+        const told = await this.#get(`${run.dwells_at}?count=100`);
+        if (told.rig_sha256 === this.health.rig_sha256) this.#takeEarlier(told.dwells);
+      } catch {
+        // A run that cannot be read leaves a gap in the trend; the table of runs says why.
+      }
+    }
+    this.#changed();
+  }
+  #takeEarlier(dwells) {
+    for (const dwell of dwells) {
+      const ended = utcMs(dwell, dwell.end_s);
+      if (ended !== null && dwell.elements.length > 0) this.history.takeEnded(dwell, ended);
+    }
   }
 
   // What the list leaves out of the last dwell: its warnings.

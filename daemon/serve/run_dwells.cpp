@@ -71,7 +71,8 @@ struct StoredRun {
   std::string path;
   record::FileIdentity identity{};
   std::int64_t number = 0;
-  std::string rig;  // its name; empty: the rig file cannot be read
+  std::string rig;         // its name; empty: the rig file cannot be read
+  std::string rig_sha256;  // of its file
   Verdicts models;
   std::deque<StoredDwell> dwells;  // the newest, oldest first
   std::size_t forgotten = 0;       // older ones
@@ -138,6 +139,7 @@ Result<StoredRun> read_run(const std::string& path) {
     run.number = header.run;
     if (auto file = config::parse(header.rig.text, header.rig.path, {})) rig = std::move(file->rig);
     run.rig = rig.name;
+    run.rig_sha256 = header.rig.sha256;
   }
   auto chain = ChainReader::open(path, record::ChainSort::run);
   if (!chain) return tl::unexpected(chain.error());
@@ -172,8 +174,9 @@ HttpReply list_answer(const StoredRun& run, const std::string& file, const Page&
     first = std::find_if(run.dwells.begin(), run.dwells.end(), [&](const auto& d) { return d.index >= *page.from; });
   const auto last = first + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(page.count), run.dwells.end() - first);
   HttpReply reply;
-  reply.body = "{\"rig\":" + dump(json_text(run.rig)) + ",\"run\":" + std::to_string(run.number) +
-               ",\"file\":" + dump(file) + ",\"total\":" + std::to_string(run.dwells.size() + run.forgotten) +
+  reply.body = "{\"rig\":" + dump(json_text(run.rig)) + ",\"rig_sha256\":" + dump(run.rig_sha256) +
+               ",\"run\":" + std::to_string(run.number) + ",\"file\":" + dump(file) +
+               ",\"total\":" + std::to_string(run.dwells.size() + run.forgotten) +
                ",\"forgotten\":" + std::to_string(run.forgotten) +
                ",\"next\":" + (last == run.dwells.end() ? "null" : std::to_string(last->index)) + ",\"dwells\":[";
   for (auto dwell = first; dwell != last; ++dwell) (reply.body += dwell == first ? "" : ",") += dwell->brief;

@@ -418,6 +418,15 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   await page.close();
 });
 
+test('a page that is opened later draws the trend of the runs before as well', async () => {
+  await until(async () => (await bench.get('/api/v1/runs?count=10')).runs.some(({ dwells_at, ended }) => dwells_at && ended));
+  const page = await open('desk');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  // Dwells are not joined: the line begins anew with each.
+  await page.waitForFunction(() => (document.querySelector('.trend .middle').getAttribute('d')?.match(/M/g) ?? []).length > 1);
+  await page.close();
+});
+
 // A child file has the begin and the indices of its parent, with other numbers.
 test('two files of one run each show their own numbers', async () => {
   const page = await browser.newPage({ viewport: SIZES.desk });
