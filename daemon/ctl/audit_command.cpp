@@ -56,6 +56,11 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
     text += "  anchors: " + std::to_string(ledger->foreign_anchors) +
             (ledger->foreign_anchors == 1 ? " line is" : " lines are") +
             " of another ledger, so nothing was compared with " + (ledger->foreign_anchors == 1 ? "it\n" : "them\n");
+  if (ledger->unread_anchors > 0)
+    text += "  anchors: " + std::to_string(ledger->unread_anchors) +
+            (ledger->unread_anchors == 1 ? " line speaks" : " lines speak") +
+            " of a run or a ledger without being an anchor, so nothing was compared with " +
+            (ledger->unread_anchors == 1 ? "it\n" : "them\n");
   return text;
 }
 
@@ -93,6 +98,7 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
     document["missing"] = ledger->missing;
     document["deleted"] = ledger->deleted;
     document["foreign_anchors"] = ledger->foreign_anchors;
+    document["unread_anchors"] = ledger->unread_anchors;
   }
   return document;
 }

@@ -1,12 +1,15 @@
 #include "daemon/record/anchor.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <optional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "daemon/record/utc_text.hpp"
@@ -14,29 +17,63 @@
 namespace dwell::record {
 namespace {
 
+constexpr std::string_view kMark = "anchor:";  // the first word of the log's line
+
 // Position of the origin, which follows a space; npos: there is none.
-std::size_t origin_in(const std::string& line) {
-  for (const char* front : {" dwell/run/", " dwell/ledger/"})
-    if (const std::size_t at = line.find(front); at != std::string::npos) return at + 1;
-  return std::string::npos;
+std::size_t origin_in(std::string_view line) {
+  for (const std::string_view front : {" dwell/run/", " dwell/ledger/"})
+    if (const std::size_t at = line.find(front); at != std::string_view::npos) return at + 1;
+  return std::string_view::npos;
 }
 
-Result<Anchor> parse(const std::string& line, std::size_t origin_at) {
-  Anchor anchor;
-  std::string digits, head, more;
-  std::istringstream rest(line.substr(origin_at));
-  rest >> anchor.origin >> digits >> head;
-  const std::string front = line.substr(0, origin_at - 1);
-  anchor.utc = front.substr(front.find_last_of(" \t") + 1);
-  if (!parse_utc(anchor.utc)) return tl::unexpected("\"" + anchor.utc + "\" before the origin is no instant in UTC");
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), anchor.seq);
-  if (error != std::errc() || end != digits.data() + digits.size() || anchor.seq < 1)
-    return tl::unexpected("\"" + digits + "\" is no number of an entry");
-  const std::optional<std::string> bytes = from_base64(head);
-  if (!bytes || bytes->size() != anchor.head.size())
-    return tl::unexpected("\"" + head + "\" is no head: expected 32 bytes in base64");
+std::vector<std::string> words_of(std::string_view text) {
+  std::istringstream stream{std::string(text)};
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+bool holds_only(std::string_view word, std::string_view characters) {
+  return !word.empty() && word.find_first_not_of(characters) == std::string_view::npos;
+}
+
+// "04:12:17", also with a date, fractions and a zone.
+bool is_time(const std::string& word) {
+  return holds_only(word, "0123456789-+:.TZ") && std::count(word.begin(), word.end(), ':') >= 2;
+}
+
+// "dwelld[12]:", "dwelld@bench.service[12]:".
+bool is_tag(const std::string& word) {
+  const std::size_t bracket = word.find('[');
+  return word.starts_with("dwelld") && bracket != std::string::npos && word.ends_with("]:") &&
+         holds_only(std::string_view(word).substr(bracket + 1, word.size() - bracket - 3), "0123456789");
+}
+
+// What the log and journalctl write before a message. The words of people stand inside messages, and no message begins
+// with a time: so no words can look like this.
+bool is_front_of_message(const std::vector<std::string>& words) {
+  if (words.empty()) return true;                                         // journalctl -o cat
+  if (words.size() == 2 && is_time(words[0])) return words[1] == "info";  // the log's file
+  const auto time = std::find_if(words.begin(), words.end(), is_time);    // Nov 23 04:12:17
+  if (time - words.begin() > 2 || words.end() - time < 3 || !is_tag(words.back())) return false;
+  // The host, after the zone where there is one.
+  return words.end() - time == 3 ||
+         (words.end() - time == 4 && holds_only(time[1], "ABCDEFGHIJKLMNOPQRSTUVWXYZ+-0123456789"));
+}
+
+// nullopt: the line is no anchor.
+std::optional<Anchor> parse(std::string_view line, std::size_t origin_at) {
+  std::vector<std::string> front = words_of(line.substr(0, origin_at));
+  const std::vector<std::string> rest = words_of(line.substr(origin_at));
+  if (front.empty() || rest.size() != 3) return std::nullopt;
+  Anchor anchor{front.back(), rest[0], 0, {}};
+  front.pop_back();
+  if (!front.empty() && front.back() != kMark) return std::nullopt;
+  if (!front.empty()) front.pop_back();
+  const auto [end, error] = std::from_chars(rest[1].data(), rest[1].data() + rest[1].size(), anchor.seq);
+  const std::optional<std::string> bytes = from_base64(rest[2]);
+  if (!is_front_of_message(front) || !parse_utc(anchor.utc) || error != std::errc() ||
+      end != rest[1].data() + rest[1].size() || anchor.seq < 1 || !bytes || bytes->size() != anchor.head.size())
+    return std::nullopt;
   std::copy(bytes->begin(), bytes->end(), anchor.head.begin());
-  if (rest >> more) return tl::unexpected("\"" + more + "\" after the head");
   return anchor;
 }
 
@@ -47,20 +84,20 @@ std::string to_line(const Anchor& anchor) {
          base64({reinterpret_cast<const char*>(anchor.head.data()), anchor.head.size()});
 }
 
-Result<std::vector<Anchor>> read_anchors(const std::string& path) {
+Result<Anchors> read_anchors(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path))
     return tl::unexpected(path + ": cannot be read: " + std::strerror(file ? EISDIR : errno));
-  std::vector<Anchor> anchors;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
+  Anchors anchors;
+  for (std::string line; std::getline(file, line);) {
     const std::size_t at = origin_in(line);
     if (at == std::string::npos) continue;
-    Result<Anchor> anchor = parse(line, at);
-    if (!anchor) return tl::unexpected(path + ", line " + std::to_string(number) + ": " + anchor.error());
-    anchors.push_back(std::move(*anchor));
+    if (auto anchor = parse(line, at))
+      anchors.all.push_back(std::move(*anchor));
+    else
+      ++anchors.unread;
   }
-  if (anchors.empty())
+  if (anchors.all.empty())
     return tl::unexpected(path + ": no anchor in it; expected lines \"UTC dwell/run/ID NUMBER HEAD\"");
   return anchors;
 }

@@ -2,6 +2,7 @@
 // cut or written anew. docs/run-file.md, "Anchors".
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,8 +23,14 @@ struct Anchor {
 // One line: "UTC ORIGIN SEQ BASE64", without a newline.
 [[nodiscard]] std::string to_line(const Anchor& anchor);
 
-// The anchors of a file, one a line. A line may begin with the prefix that a journal adds; lines without an origin are
-// skipped. Fails with "FILE, line N: what is wrong", and if the file has no anchor at all.
-[[nodiscard]] Result<std::vector<Anchor>> read_anchors(const std::string& path);
+struct Anchors {
+  std::vector<Anchor> all;
+  std::size_t unread = 0;  // lines that speak of a run or a ledger and are no anchors
+};
+
+// The anchors of a file, one a line. Before an anchor a line holds nothing, or what the log or journalctl puts there
+// and "anchor:": what a person writes into the log is never an anchor. docs/run-file.md has the rule. Other lines are
+// skipped. Fails if the file cannot be read or has no anchor at all. Reads the whole file; any thread.
+[[nodiscard]] Result<Anchors> read_anchors(const std::string& path);
 
 }  // namespace dwell::record

@@ -290,7 +290,7 @@ std::string key_verdict(const Audit& audit) {
 
 Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
   if (Result<void> there = readable_file(path); !there) return fails(std::move(there.error()));
-  const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
+  const Result<Anchors> anchors = read_all_anchors(options.anchors);
   if (!anchors) return fails(anchors.error());
   if (const std::string other = what_else(path); !other.empty()) return fails(path + ": " + other);
   std::shared_ptr<const CheckedLedger> ledger = options.checked;
@@ -302,7 +302,7 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
   bool every_signature = options.every_signature;
   for (int tries = 1;;) {
     Result<Audit> audit =
-        look(path, options, every_signature, *anchors, ledger && ledger->verifies() ? ledger.get() : nullptr);
+        look(path, options, every_signature, anchors->all, ledger && ledger->verifies() ? ledger.get() : nullptr);
     if (!audit) {
       if (audit.error().cause() == Cause::stopped || ++tries > kAuditTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {

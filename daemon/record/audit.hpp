@@ -82,6 +82,7 @@ struct LedgerAudit {
   std::vector<std::string> deleted;  // runs entered as deleted, one line each: by retention, or they never had a file
   std::vector<std::string> missing;  // runs that should be in `directory` and are not
   std::size_t foreign_anchors = 0;   // lines of ledgers other than this one: nothing is compared with them
+  std::size_t unread_anchors = 0;    // Anchors::unread
 };
 
 // Checks the ledger itself, and that each run it knows is in `directory` or is entered as deleted. Fails if the ledger

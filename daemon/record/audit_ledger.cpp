@@ -50,7 +50,7 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
     if (!checked) return tl::unexpected(std::move(checked.error()));
     ledger = std::make_shared<const CheckedLedger>(std::move(*checked));
   }
-  const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
+  const Result<Anchors> anchors = read_all_anchors(options.anchors);
   if (!anchors) return tl::unexpected(anchors.error());
   LedgerAudit audit;
   audit.unbroken = ledger->verifies();
@@ -67,11 +67,12 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
     }
     if (std::string line = missing(run, directory); !line.empty()) audit.missing.push_back(std::move(line));
   }
-  for (std::string& line : unknown(ledger->book, *anchors)) audit.missing.push_back(std::move(line));
+  for (std::string& line : unknown(ledger->book, anchors->all)) audit.missing.push_back(std::move(line));
   audit.foreign_anchors = static_cast<std::size_t>(
-      std::count_if(anchors->begin(), anchors->end(), [own = ledger->book.origin()](const Anchor& anchor) {
+      std::count_if(anchors->all.begin(), anchors->all.end(), [own = ledger->book.origin()](const Anchor& anchor) {
         return anchor.origin.rfind("dwell/ledger/", 0) == 0 && anchor.origin != own;
       }));
+  audit.unread_anchors = anchors->unread;
   if (options.progress) options.progress(1.0);
   return audit;
 }

@@ -110,14 +110,15 @@ Result<void> KnownHeads::all_there(std::int64_t last_seq) const {
                entry_name(heads_.rbegin()->first));
 }
 
-Result<std::vector<Anchor>> read_all_anchors(const std::vector<std::string>& paths) {
-  std::vector<Anchor> all;
+Result<Anchors> read_all_anchors(const std::vector<std::string>& paths) {
+  Anchors together;
   for (const std::string& path : paths) {
-    Result<std::vector<Anchor>> some = read_anchors(path);
+    Result<Anchors> some = read_anchors(path);
     if (!some) return some;
-    all.insert(all.end(), some->begin(), some->end());
+    together.all.insert(together.all.end(), some->all.begin(), some->all.end());
+    together.unread += some->unread;
   }
-  return all;
+  return together;
 }
 
 }  // namespace dwell::record

@@ -74,7 +74,7 @@ class KnownHeads {
 };
 
 // Reads files of anchors. Fails as read_anchors().
-[[nodiscard]] Result<std::vector<Anchor>> read_all_anchors(const std::vector<std::string>& paths);
+[[nodiscard]] Result<Anchors> read_all_anchors(const std::vector<std::string>& paths);
 
 // How often a file is read again if its writer closes it meanwhile.
 inline constexpr int kAuditTries = 5;

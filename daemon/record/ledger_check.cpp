@@ -79,12 +79,12 @@ Result<void> readable_file(const std::string& path) {
 
 Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& options) {
   if (Result<void> there = readable_file(path); !there) return tl::unexpected(std::move(there.error()));
-  const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
+  const Result<Anchors> anchors = read_all_anchors(options.anchors);
   if (!anchors) return tl::unexpected(anchors.error());
   for (int tries = 1;; ++tries) {
     CheckedLedger ledger;
     Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true);
-    const Result<void> sound = chain ? walk(*chain, ledger, *anchors) : tl::unexpected(chain.error());
+    const Result<void> sound = chain ? walk(*chain, ledger, anchors->all) : tl::unexpected(chain.error());
     if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
     if (!sound) ledger.broken = sound.error();
     ledger.must_be_by(options.keys);

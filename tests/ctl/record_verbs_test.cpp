@@ -134,10 +134,14 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   EXPECT_EQ(alone.out, ledger + ": unbroken, key " + key.public_key().fingerprint() + " not trusted\n");
   const std::string line =
       "2026-11-23T03:12:17.250000Z dwell/ledger/" + std::string(32, 'e') + " 2 " + std::string(43, 'A') + "=\n";
-  const std::string anchors = folder.file("anchors", line + line);
+  const std::string anchors = folder.file("anchors", line + line + "run stopped by anna (uid 1000): " + line);
   const Outcome foreign = test::run({"audit", "--ledger", ledger, "--anchor", anchors});
   EXPECT_EQ(foreign.code, 0) << foreign.err;
   EXPECT_TRUE(holds(foreign.out, "\n  anchors: 2 lines are of another ledger, so nothing was compared with them\n"))
+      << foreign.out;
+  EXPECT_TRUE(holds(foreign.out,
+                    "\n  anchors: 1 line speaks of a run or a ledger without being an anchor, so nothing was "
+                    "compared with it\n"))
       << foreign.out;
   EXPECT_EQ(nlohmann::json::parse(
                 test::run({"audit", "--json", "--ledger", ledger, "--anchor", anchors}).out)["foreign_anchors"],

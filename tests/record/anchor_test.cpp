@@ -13,29 +13,66 @@ const std::string kAnchorLine =
     "2026-11-23T03:12:17.250000Z dwell/run/0123456789abcdef0123456789abcdef 42 "
     "BwAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=";
 
-TEST(Anchor, ALineIsReadAsItWasWrittenAlsoFromAJournal) {
+Result<Anchors> read_lines(const std::string& lines) {
   const Scratch scratch;
-  const std::string path = scratch.write("anchors", "# of rig 7\n\n" + kAnchorLine +
-                                                        "\nNov 23 04:12:17 rig dwelld[12]: anchor: " + kAnchorLine +
-                                                        "\nNov 23 04:12:18 rig dwelld[12]: the rig is up\n");
-  const auto anchors = read_anchors(path);
-  ASSERT_TRUE(anchors) << anchors.error();
-  ASSERT_EQ(anchors->size(), 2u);
-  for (const Anchor& anchor : *anchors) {
-    EXPECT_EQ(anchor.seq, 42);
-    EXPECT_EQ(anchor.head, Digest{7});
-    EXPECT_EQ(to_line(anchor), kAnchorLine);
+  return read_anchors(scratch.write("anchors", lines));
+}
+
+TEST(Anchor, ALineIsReadAsItWasWrittenAlsoFromALogAndAJournal) {
+  for (const char* front : {
+           "",
+           "anchor: ",
+           "2026-11-23T04:12:17.250+01:00 info anchor: ",
+           "Nov 23 04:12:17 rig dwelld[12]: anchor: ",
+           "Nov 23 04:12:17.250001 rig dwelld[12]: anchor: ",
+           "2026-11-23T04:12:17+01:00 rig dwelld[12]: anchor: ",
+           "2026-11-23T04:12:17+0100 rig dwelld[12]: anchor: ",
+           "Mon 2026-11-23 04:12:17 CET rig dwelld[12]: anchor: ",
+           "Mon 2026-11-23 04:12:17 CET rig dwelld@bench.service[12]: anchor: ",
+       }) {
+    const auto anchors =
+        read_lines("# of rig 7\n\n" + (front + kAnchorLine) + "\nNov 23 04:12:18 rig dwelld[12]: the rig is up\n");
+    ASSERT_TRUE(anchors) << front << anchors.error();
+    ASSERT_EQ(anchors->all.size(), 1u) << front;
+    EXPECT_EQ(anchors->all[0].seq, 42);
+    EXPECT_EQ(anchors->all[0].head, Digest{7});
+    EXPECT_EQ(to_line(anchors->all[0]), kAnchorLine);
+    EXPECT_EQ(anchors->unread, 0u);
   }
 }
 
-TEST(Anchor, ALineThatIsNoneIsNamed) {
-  const Scratch scratch;
-  for (const std::string& wrong : {kAnchorLine + " more", kAnchorLine.substr(0, kAnchorLine.size() - 1),
-                                   kAnchorLine.substr(20), kAnchorLine.substr(0, 75)}) {
-    const auto anchors = read_anchors(scratch.write("anchors", (kAnchorLine + "\n").append(wrong)));
-    ASSERT_FALSE(anchors) << wrong;
-    EXPECT_NE(anchors.error().find("line 2"), std::string::npos) << anchors.error();
+// The log's messages that end in words of people, as the log and the journal show them.
+TEST(Anchor, WordsOfPeopleInTheLogAreNone) {
+  for (const char* front :
+       {"", "2026-11-23T04:12:17.250+01:00 info ", "Nov 23 04:12:17 rig dwelld[12]: ",
+        "2026-11-23T04:12:17+0100 rig dwelld[12]: ", "Mon 2026-11-23 04:12:17 CET rig dwelld[12]: "})
+    for (const char* message : {"run stopped by anna (uid 1000): ", "run 17 signed by ", "run \"a",
+                                "alarm channel:y1 acknowledged by anna (uid 1000): ", "recording run 17 \""})
+      for (const char* words : {"", "anchor: ", "info anchor: ", "dwelld[12]: anchor: ", "rig dwelld[12]: anchor: ",
+                                "Nov 23 04:12:17 rig dwelld[12]: anchor: ", "04:12:17 rig dwelld[12]: anchor: ",
+                                "2026-11-23T04:12:17.250+01:00 info anchor: "}) {
+        const std::string line = std::string(front) + message + words + kAnchorLine;
+        const auto anchors = read_lines(kAnchorLine + "\n" + line + "\n");
+        ASSERT_TRUE(anchors) << line << anchors.error();
+        EXPECT_EQ(anchors->all.size(), 1u) << line;
+        EXPECT_EQ(anchors->unread, 1u) << line;
+      }
+}
+
+TEST(Anchor, ALineThatIsNoneIsCountedAndTakesNoOtherAway) {
+  for (const std::string& wrong :
+       {kAnchorLine + " more", kAnchorLine.substr(0, kAnchorLine.size() - 1), " " + kAnchorLine.substr(28),
+        kAnchorLine.substr(0, 75), std::string("2026-11-23T04:12:17.250+01:00 info run \"see dwell/run/abc\" started"),
+        "Nov 23 04:12:17 rig other[12]: anchor: " + kAnchorLine}) {
+    const auto anchors = read_lines(kAnchorLine + "\n" + wrong);
+    ASSERT_TRUE(anchors) << wrong << anchors.error();
+    EXPECT_EQ(anchors->all.size(), 1u) << wrong;
+    EXPECT_EQ(anchors->unread, 1u) << wrong;
   }
+}
+
+TEST(Anchor, AFileWithoutAnyIsRefused) {
+  const Scratch scratch;
   EXPECT_FALSE(read_anchors(scratch.write("none", "nothing of the kind\n")));
   EXPECT_FALSE(read_anchors(scratch.path("missing")));
   EXPECT_FALSE(read_anchors(scratch.path()));
