@@ -22,20 +22,6 @@ std::int64_t utc_now_ns() {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-// The origin of the notes names the id, which the first entry holds. So entries are read before notes.
-Result<LedgerBook> read_book(const std::string& path) {
-  LedgerBook book;
-  Result<ChainReader> reader = ChainReader::open(path, ChainSort::ledger);
-  if (!reader) return fails(std::move(reader.error()));
-  for (;;) {
-    const auto row = reader->next();
-    if (!row) return fails(row.error());
-    if (!*row) return book;
-    if (const Result<void> taken = book.take((*row)->entry); !taken)
-      return fails(path + ": entry " + std::to_string((*row)->entry.seq) + ": " + taken.error());
-  }
-}
-
 }  // namespace
 
 struct Ledger::Impl {

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/record/chain_file.hpp"
+
 namespace dwell::record {
 namespace {
 
@@ -42,6 +44,19 @@ PublicKey key_of(const Json& object) {
 }
 
 std::string written(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Result<LedgerBook> read_once(const std::string& path) {
+  LedgerBook book;
+  Result<ChainReader> reader = ChainReader::open(path, ChainSort::ledger);
+  if (!reader) return fails(std::move(reader.error()));
+  for (;;) {
+    const auto row = reader->next();
+    if (!row) return fails(row.error());
+    if (!*row) return book;
+    if (const Result<void> taken = book.take((*row)->entry); !taken)
+      return fails(path + ": entry " + std::to_string((*row)->entry.seq) + ": " + taken.error());
+  }
+}
 
 }  // namespace
 
@@ -143,6 +158,14 @@ Result<void> LedgerBook::take(const Entry& entry) {
     return tl::unexpected("\"" + entry.kind + "\" entry: " + wrong.what);
   } catch (const Json::exception&) {
     return tl::unexpected("\"" + entry.kind + "\" entry: it is not JSON");
+  }
+}
+
+Result<LedgerBook> read_book(const std::string& path) {
+  constexpr int kTries = 5;
+  for (int tries = 1;; ++tries) {
+    Result<LedgerBook> book = read_once(path);
+    if (book || book.error().cause() != Cause::read_again || tries == kTries) return book;
   }
 }
 

@@ -62,6 +62,10 @@ class LedgerBook {
   bool key_just_changed_ = false;
 };
 
+// All entries of a ledger, without a check of chain and notes; again where the service writes meanwhile. Reads the
+// whole file; any thread. Fails with the file and what does not fit.
+[[nodiscard]] Result<LedgerBook> read_book(const std::string& path);
+
 // Bodies of the entries. `utc`: now.
 [[nodiscard]] std::string ledger_opens(const std::string& id, const PublicKey& key, const std::string& utc);
 [[nodiscard]] std::string ledger_key(const PublicKey& next, const std::string& utc);

@@ -61,17 +61,10 @@ Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entr
 // Runs that ended without a committed entry, but are not entered as deleted: a crash came between the two entries of
 // the ledger.
 Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory) {
-  auto reader = ChainReader::open(directory + "/ledger.dwell-ledger", ChainSort::ledger);
-  if (!reader) return tl::unexpected(reader.error());
-  LedgerBook book;
-  for (;;) {
-    const auto row = reader->next();
-    if (!row) return tl::unexpected(row.error());
-    if (!*row) break;
-    if (auto taken = book.take((*row)->entry); !taken) return tl::unexpected(taken.error());
-  }
+  const auto book = read_book(directory + "/ledger.dwell-ledger");
+  if (!book) return tl::unexpected(book.error());
   std::vector<std::int64_t> runs;
-  for (const auto& [number, run] : book.runs())
+  for (const auto& [number, run] : book->runs())
     if (run.end && run.end->seq == 0 && !run.deleted && file_of_run(directory, number).empty()) runs.push_back(number);
   return runs;
 }

@@ -16,6 +16,7 @@
 #include "daemon/clock.hpp"
 #include "daemon/record/audit.hpp"
 #include "daemon/record/key_file.hpp"
+#include "daemon/record/ledger_book.hpp"
 #include "daemon/record/ledger_check.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
@@ -53,6 +54,30 @@ std::optional<std::string> text_of(const Json& request, const char* name) {
   if (it == request.end() || it->is_null()) return "";
   if (!it->is_string()) return std::nullopt;
   return it->get<std::string>();
+}
+
+// Again while the service is closing the file.
+record::Result<record::RunHeader> header_of(const std::string& path) {
+  for (int tries = 0;; ++tries) {
+    const auto reader = record::RunReader::open(path);
+    if (reader) return reader->header();
+    if (reader.error().cause() != record::Cause::read_again || !record::wait_for_service(tries))
+      return fail(reader.error());
+  }
+}
+
+// Fails where the ledger does not have this file for its run. A signature under a copy would be an entry of the ledger,
+// and missing in the run's own file.
+record::Result<void> is_file_of_run(const std::string& path, const record::RunHeader& header,
+                                    const record::LedgerBook& book) {
+  if (header.run == 0) return fail(path + ": is a child file, which no ledger knows");
+  const auto known = book.runs().find(header.run);
+  if (known == book.runs().end()) return fail(path + ": the ledger knows no such run");
+  const std::string run = "run " + std::to_string(header.run);
+  if (known->second.id != header.id) return fail(path + ": the ledger knows another run as " + run);
+  if (known->second.file != std::filesystem::path(path).filename())
+    return fail(path + ": is " + run + ", whose file by the ledger is " + known->second.file + ": sign that one");
+  return {};
 }
 
 }  // namespace
@@ -161,17 +186,19 @@ record::Result<Signed> Countersigner::sign(const SignRequest& request, const std
   if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
   if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));
   words.utc = record::iso_utc(utc_now_ns());
+  const auto header = header_of(path);
+  if (!header) return fail(header.error());
+  const auto book = record::read_book(directory_ + "/ledger.dwell-ledger");
+  if (!book) return fail(book.error());
+  if (const auto known = is_file_of_run(path, *header, *book); !known) return fail(known.error());
   // The key is read each time: the recorder makes it, and it may change.
   const auto key = record::SigningKey::load(record::key_path(directory_));
   if (!key) return fail(key.error());
   auto signature = record::sign_by_service(path, std::move(words), *key);
   if (!signature) return fail(signature.error());
-  const auto reader = record::RunReader::open(path);
-  if (!reader) return fail(reader.error());
-  const std::int64_t run = reader->header().run;
-  if (const auto entered = enter_(run, *signature); !entered)
+  if (const auto entered = enter_(header->run, *signature); !entered)
     return fail(path + " is signed, but the ledger does not know of it: " + entered.error());
-  return Signed{run, std::move(*signature), 1};
+  return Signed{header->run, std::move(*signature), 1};
 }
 
 // The audit verifies the signatures, and that the file is the run that the ledger knows by its number.
@@ -187,10 +214,10 @@ record::Result<Signed> Countersigner::enter(const std::string& path) const {
     return fail(path + " is " + to_string(audit->state) + (audit->where.empty() ? "" : ": " + audit->where));
   auto reader = record::RunReader::open(path);
   if (!reader) return fail(reader.error());
+  if (const auto known = is_file_of_run(path, reader->header(), options.checked->book); !known)
+    return fail(known.error());
   Signed done{reader->header().run, std::nullopt, 0};
   const record::LedgerRun* const known = options.checked->find(done.run);
-  if (known == nullptr)
-    return fail(path + (done.run == 0 ? ": is a child file, which no ledger knows" : ": the ledger knows no such run"));
   const auto signatures = reader->signatures();
   if (!signatures) return fail(signatures.error());
   for (const record::PersonalSignature& signature : *signatures) {

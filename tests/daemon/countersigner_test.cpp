@@ -24,10 +24,16 @@ record::Result<Signed> answer_of(Countersigner& signer, const SignRequest& asked
 }
 
 struct CountersignerTest : testing::Test {
-  record::SampleRun written(const std::string& name, bool closed = true) const {
+  record::SampleRun written(const std::string& name, bool closed = true) {
     record::SampleRun run = record::sample_run_file(scratch.path(name), key, R"({"index":1})");
     run.closed = closed;
+    run.header.run = ledger.next_run();
+    run.header.previous_head = ledger.newest_head();
     write(run, key);
+    EXPECT_TRUE(ledger.run_begins(run.header, name));
+    if (closed) {
+      EXPECT_TRUE(ledger.run_ends({run.header.run, std::string(64, '7'), 1, "closed"}));
+    }
     return run;
   }
   void begin() {
@@ -51,6 +57,7 @@ struct CountersignerTest : testing::Test {
 
   const record::Scratch scratch;
   const record::SigningKey key = record::sample_key("bench2");
+  record::Ledger ledger = *record::Ledger::open(scratch.path(), key);
   bool ledger_fails = false;
   std::vector<record::PersonalSignature> entered;
   std::optional<Countersigner> signer;
@@ -62,7 +69,7 @@ TEST_F(CountersignerTest, SignsAClosedRunForWhoAsksAndTheLedgerKnows) {
   for (const std::string& file : {run.path, std::string("run.dwell")}) {
     const auto made = sign(request(file));
     ASSERT_TRUE(made) << made.error();
-    EXPECT_EQ(made->run, 17);
+    EXPECT_EQ(made->run, 1);
     ASSERT_TRUE(made->signature->person);
     EXPECT_EQ(made->signature->person->uid, getuid());
   }
@@ -136,13 +143,17 @@ struct OwnKeySignatures : testing::Test {
     words.meaning = meaning;
     return words;
   }
-  record::Result<Signed> enter() {
+  record::Result<Signed> enter() { return answer(run, true); }
+  // To a request to enter the signatures under this file, or to sign it.
+  record::Result<Signed> answer(const std::string& file, bool enter) {
     Countersigner signer(scratch.path(), [this](std::int64_t number, const record::PersonalSignature& signature) {
       return ledger.run_signed(number, signature);
     });
     SignRequest request;
-    request.file = run;
-    request.enter = true;
+    request.file = file;
+    request.enter = enter;
+    request.statement = words("reviewed");
+    request.uid = getuid();
     return answer_of(signer, request);
   }
   // By the ledger and the pinned key.
@@ -183,6 +194,30 @@ TEST_F(OwnKeySignatures, UnderAFileThatIsNotTheLedgersRunAreNotEntered) {
   const auto done = enter();
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().find("the ledger knows another run as run 1"), std::string::npos) << done.error();
+}
+
+// A signature under a copy would be missing in the run's own file for ever.
+TEST_F(OwnKeySignatures, UnderACopyByAnotherNameAreNotEntered) {
+  std::filesystem::copy_file(run, scratch.path("copy.dwell"));
+  ASSERT_TRUE(sign_by_own_key(scratch.path("copy.dwell"), words("reviewed"), own));
+  const auto done = answer("copy.dwell", true);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().find("copy.dwell: is run 1, whose file by the ledger is a.dwell"), std::string::npos)
+      << done.error();
+  EXPECT_EQ(audited().state, record::AuditState::intact) << audited().where;
+}
+
+TEST_F(OwnKeySignatures, NorDoesTheServiceSignSuchACopy) {
+  ASSERT_TRUE(record::sample_key().save(scratch.path("key")));
+  std::filesystem::copy_file(run, scratch.path("copy.dwell"));
+  const std::string before = record::Scratch::read(run);
+  const auto done = answer("copy.dwell", false);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().find("copy.dwell: is run 1, whose file by the ledger is a.dwell"), std::string::npos)
+      << done.error();
+  EXPECT_EQ(record::Scratch::read(scratch.path("copy.dwell")), before);
+  EXPECT_EQ(audited().state, record::AuditState::intact) << audited().where;
+  EXPECT_TRUE(answer("a.dwell", false));
 }
 
 TEST_F(OwnKeySignatures, UnderAChildFileAreInNoLedger) {
