@@ -57,12 +57,15 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
     next_retention_ns_ = now.raw_ns;
   }
   // Where jobs do not find room, whatever needs one waits for another turn.
-  const bool changed = !jobs_.full() && listed_ != (recorded != nullptr ? recorded->file : std::string());
+  const bool room = !jobs_.full();
+  // Several runs may have begun and ended since the last turn.
+  const std::vector<EndedRunFile> ended = room ? folder_.take_ended() : std::vector<EndedRunFile>();
+  const bool changed = room && (!ended.empty() || listed_ != (recorded != nullptr ? recorded->file : std::string()));
   if (changed) {
-    list(recorded);
+    list(ended, recorded);
     next_retention_ns_ = now.raw_ns;
   }
-  anchor(now, changed);
+  anchor(now, ended, changed);
   retain(now);
   audit(now);
   take_outcomes();
@@ -77,12 +80,11 @@ void Housekeeper::look_at_all(const std::string& running) {
   });
 }
 
-// Another run is recorded, or none: so the one before has ended.
-void Housekeeper::list(const ListedRun* recorded) {
-  if (!listed_.empty())
-    jobs_.post([directory = options_.directory, name = listed_, list = list_, closed = folder_.closed()](const auto&) {
+void Housekeeper::list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded) {
+  if (!ended.empty())
+    jobs_.post([directory = options_.directory, ended, list = list_, closed = folder_.closed()](const auto&) {
       if (closed.valid()) closed.wait();
-      list->put(look_at_run(directory, name));
+      for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
     });
   listed_.clear();
   if (recorded == nullptr) return;
@@ -90,12 +92,15 @@ void Housekeeper::list(const ListedRun* recorded) {
   list_->put(*recorded);
 }
 
-void Housekeeper::anchor(const ClockPair& now, bool run_changed) {
+void Housekeeper::anchor(const ClockPair& now, const std::vector<EndedRunFile>& ended, bool run_changed) {
   if (!run_changed && now.raw_ns < next_anchor_ns_) return;
   const double minutes = options_.anchor.minutes > 0.0 ? options_.anchor.minutes : kAnchorMinutes;
   next_anchor_ns_ = now.raw_ns + static_cast<std::int64_t>(minutes * 60e9);
   std::string lines;
-  for (Anchor& head : folder_.heads()) {
+  std::vector<Anchor> heads;
+  for (const EndedRunFile& run : ended) heads.push_back(run.head);
+  for (Anchor& head : folder_.heads()) heads.push_back(std::move(head));
+  for (Anchor& head : heads) {
     Digest& anchored = anchored_[head.origin];
     if (std::exchange(anchored, head.head) == head.head) continue;
     head.utc = iso_utc(now.utc_ns);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/record/anchor_delivery.hpp"
 #include "daemon/record/digest.hpp"
@@ -56,8 +57,8 @@ class Housekeeper {
   struct Outcomes;
 
   void look_at_all(const std::string& running);
-  void list(const ListedRun* recorded);
-  void anchor(const ClockPair& now, bool run_changed);
+  void list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded);
+  void anchor(const ClockPair& now, const std::vector<EndedRunFile>& ended, bool run_changed);
   void retain(const ClockPair& now);
   void choose(const ClockPair& now, const std::string& doubt);
   void audit(const ClockPair& now);

@@ -119,6 +119,7 @@ struct RunFolder::Impl {
   // Which of its two names the run's file has. A file at a name that it does not have belongs to somebody else.
   bool has_first_name = false, has_name = false;
   std::optional<Anchor> last_head;  // of the run before
+  std::vector<EndedRunFile> ended_files;
   DiskJobs disk_jobs;
 
   // The file that was cut off is not altered.
@@ -334,6 +335,8 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   self.reserve.release();
   const auto written = append_and_commit(*self.file, last);
   self.last_head = self.head();
+  if (self.ended_files.size() == kMostEnded) self.ended_files.erase(self.ended_files.begin());
+  self.ended_files.push_back({self.name, *self.last_head});
   self.ended = {self.run, hex(self.last_head->head), self.last_head->seq, written ? kClosed : kCutOff};
   if (written)
     self.disk_jobs.start([file = std::make_unique<ChainWriter>(std::move(*self.file)), name = self.name] {
@@ -360,6 +363,7 @@ void RunFolder::settle() {
 }
 std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
+std::vector<EndedRunFile> RunFolder::take_ended() { return std::exchange(impl_->ended_files, {}); }
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
 const std::string& RunFolder::file() const noexcept { return impl_->name; }
 

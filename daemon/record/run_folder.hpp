@@ -2,6 +2,7 @@
 // a time records into one directory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -32,6 +33,12 @@ struct CutOffRun {
   std::string until_utc;  // of its last entry; empty: not known
 };
 
+// A run that has ended, as it is to be listed and anchored.
+struct EndedRunFile {
+  std::string file;  // its name in the directory
+  Anchor head;       // of its last commit; the instant is empty
+};
+
 // Bound to one thread. Fails with "disk full" or another reason for people.
 class RunFolder final : public RunStore {
  public:
@@ -60,6 +67,12 @@ class RunFolder final : public RunStore {
   void settle();
   // The failures of background work since the last call, one sentence each.
   [[nodiscard]] std::vector<std::string> take_failures();
+
+  // Most ended runs that are kept until they are taken; older ones are forgotten, and listed when the service starts
+  // again. Their anchors fit into the pipe of deliver_anchor().
+  static constexpr std::size_t kMostEnded = 256;
+  // The runs that have ended since the last call, in their order. No disk.
+  [[nodiscard]] std::vector<EndedRunFile> take_ended();
 
   // The run that open() found cut off, once.
   [[nodiscard]] std::optional<CutOffRun> take_cut_off();

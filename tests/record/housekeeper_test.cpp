@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "daemon/record/run_folder.hpp"
 #include "tests/record/recorded_rig.hpp"
@@ -27,7 +29,9 @@ struct HousekeeperTest : testing::Test {
   }
   // Turns within one instant until what the jobs' thread has done is known here.
   void turn_until(double t_s, const std::function<bool()>& known, double set_days = 0.0) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     do {
+      ASSERT_LT(std::chrono::steady_clock::now(), until) << "never known";
       turn(t_s, set_days);
       std::this_thread::yield();
     } while (!known());
@@ -51,6 +55,31 @@ TEST_F(HousekeeperTest, AnAnchorThatDidNotArriveIsSentAgainWhenTheNextIsDue) {
   std::filesystem::create_directory(scratch.path("share"));
   turn_until(60.0, [&] { return keeper->anchor_trouble().empty(); });
   EXPECT_NE(Scratch::read(heads).find("dwell/ledger/"), std::string::npos);
+}
+
+// Somebody starts and stops more quickly than the recorder's thread turns.
+TEST_F(HousekeeperTest, RunsThatBeginAndEndBetweenTwoTurnsAreListedAndAnchored) {
+  ASSERT_TRUE(folder.open());
+  std::filesystem::create_directory(scratch.path("share"));
+  const auto list = std::make_shared<RunList>();
+  keeper = std::make_unique<Housekeeper>(
+      HousekeepingOptions{folder_options(scratch.path("")).directory, {}, {1.0, heads, {}}}, folder, list,
+      notices.tell());
+  turn_until(0.0, [&] { return std::filesystem::exists(heads); });
+  std::vector<RunHeader> runs;
+  for (int i = 0; i < 3; ++i) {
+    RunHeader header = rig_header();
+    header.start_utc = iso_utc(kMidnight_utc_ns);
+    ASSERT_TRUE(folder.begin(header, 0, {}));
+    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
+    ASSERT_TRUE(folder.end(last, i < 2));
+    runs.push_back(header);
+  }
+  turn_until(0.5, [&] { return list->all()->size() == 3; });
+  const auto sent = [&](const RunHeader& run) {
+    return Scratch::read(heads).find("dwell/run/" + run.id + " 2 ") != std::string::npos;
+  };
+  for (const RunHeader& run : runs) turn_until(0.5, [&] { return sent(run); });
 }
 
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.
