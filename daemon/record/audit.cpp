@@ -50,7 +50,7 @@ class RunAudit {
   KnownHeads known_;
   BlockCount count_;
   std::vector<PersonalSignature> signatures_;
-  std::int64_t begin_ns_ = 0, end_seq_ = 0, unsigned_from_ = 0;
+  std::int64_t begin_ns_ = 0, end_ns_ = 0, end_seq_ = 0, unsigned_from_ = 0;
 };
 
 Result<bool> RunAudit::check(ChainAudit& chain) {
@@ -99,6 +99,7 @@ Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
   if (Result<void> part = take_part(entry); !part) return fails(entry_name(entry.seq) + ": " + part.error());
   if (entry.kind == "end") {
     end_seq_ = entry.seq;
+    end_ns_ = entry.t_ns;
     if (unsigned_from_ != 0) return fails(entry_name(entry.seq) + ": the end is not signed");
   }
   return {};
@@ -179,6 +180,10 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   const PersonalSignature& signature = *read;
   if (signature.seq != row.entry.seq - 1 || signature.head != audit_.head)
     return fails(place + "signs another head than that of the entry before it");
+  if (row.entry.t_ns != end_ns_) return fails(place + "its t_ns is not that of the end");
+  // No note covers this entry, and the person's own note not all of it.
+  if (!signature.vkey.empty() && row.entry.body != to_json(signature))
+    return fails(place + "its body is not exactly that of a signature by a person's own key");
   const Result<std::string> text = signature_text(header_.id, signature);
   if (!text) return fails(place + text.error());
 

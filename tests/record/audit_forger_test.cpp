@@ -115,5 +115,25 @@ TEST(Forger, ASignatureByAnOwnKeyCannotNameAUserOfTheRig) {
   EXPECT_TRUE(says(both.error(), "both a \"person\" of the service and a \"vkey\" of their own")) << both.error();
 }
 
+// No note of the service covers such an entry, and the person's note not all of it.
+TEST(Forger, TheEntryOfASignatureByAnOwnKeyCannotBeAltered) {
+  for (const char* alteration : {"SET t_ns = t_ns + 1",
+                                 "SET body = CAST(replace(CAST(body AS TEXT), '{\"name\"', "
+                                 "'{\"more\":\"approved\",\"name\"') AS BLOB)",
+                                 "SET body = CAST(CAST(body AS TEXT) || ' ' AS BLOB)"}) {
+    const Scratch scratch(true);
+    Ledger ledger = recorded(scratch, 1);
+    const std::string path = scratch.path("a.dwell");
+    const auto made = sign_by_own_key(path, sample_words(), sample_other());
+    ASSERT_TRUE(made && ledger.run_signed(1, *made));
+    EXPECT_EQ(audited(path, by_all(scratch)).state, AuditState::intact);
+    ASSERT_TRUE(forge(path, std::string("UPDATE entry ") + alteration + " WHERE kind = 'signature'"));
+    forge_heads(path);
+    const Audit audit = audited(path, by_all(scratch));
+    EXPECT_EQ(audit.state, AuditState::tampered) << alteration;
+    EXPECT_TRUE(says(audit.where, "entry " + std::to_string(made->seq + 1))) << audit.where;
+  }
+}
+
 }  // namespace
 }  // namespace dwell::record
