@@ -148,8 +148,11 @@ int audit_files(const AuditRequest& request) {
   if (!request.ledger.empty()) {
     ProgressBar bar("checking the ledger");
     options.progress = bar.progress();
-    const std::filesystem::path folder = std::filesystem::path(request.ledger).parent_path();
-    auto checked = record::audit_ledger(request.ledger, folder.empty() ? "." : folder.string(), options);
+    // The runs lie beside the ledger itself, not beside a link to it.
+    std::error_code code_of_link;
+    const std::filesystem::path real = std::filesystem::canonical(request.ledger, code_of_link);
+    if (code_of_link) return usage_error(request.ledger + ": " + code_of_link.message());
+    auto checked = record::audit_ledger(request.ledger, real.parent_path().string(), options);
     if (!checked) return usage_error(checked.error());
     if (!checked->unbroken || !checked->missing.empty()) code = kNo;
     ledger = std::move(*checked);

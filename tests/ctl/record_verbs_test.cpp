@@ -130,6 +130,10 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   const Outcome there = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(there.code, 0) << there.out << there.err;
   EXPECT_TRUE(holds(there.out, ledger + ": unbroken\n")) << there.out;
+  const test::TemporaryFolder elsewhere;
+  std::filesystem::create_symlink(ledger, elsewhere.path("link"));
+  const Outcome linked = test::run({"audit", "--ledger", elsewhere.path("link"), "--key", key.public_key().vkey()});
+  EXPECT_EQ(linked.code, 0) << "the runs lie beside the ledger itself: " << linked.out;
   const Outcome alone = test::run({"audit", "--ledger", ledger});
   EXPECT_EQ(alone.out, ledger + ": unbroken, key " + key.public_key().fingerprint() + " not trusted\n");
   const std::string line =
