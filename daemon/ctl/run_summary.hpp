@@ -38,8 +38,8 @@ struct RunSummary {
 [[nodiscard]] std::string summary_page(const RunSummary& run, std::size_t columns);
 [[nodiscard]] nlohmann::ordered_json summary_json(const RunSummary& run);
 
-// "Anna Weber: reviewed, 2026-07-01T10:12:03Z, countersigned by the service for anna (uid 1000)". Does not check the
-// signature.
+// "countersigned by the service for anna (uid 1000): Anna Weber: reviewed, 2026-07-01T10:12:03Z". Does not check the
+// signature. Who vouches comes first: the person's words could look like that.
 [[nodiscard]] std::string signature_text(const record::PersonalSignature& signature);
 
 // "1.2 MB"; powers of ten.

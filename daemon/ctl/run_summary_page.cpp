@@ -217,9 +217,9 @@ std::string signature_text(const record::PersonalSignature& signature) {
   std::string text = signature.name + ": " + signature.meaning;
   if (!signature.reason.empty()) text += " (" + signature.reason + ")";
   text += ", " + signature.utc;
-  if (signature.person) return text + ", countersigned by the service for " + record::who(*signature.person);
+  if (signature.person) return "countersigned by the service for " + record::who(*signature.person) + ": " + text;
   const auto key = record::PublicKey::parse(signature.vkey);
-  return text + ", with the key " + (key ? key->name() + " " + key->fingerprint() : "that is not readable");
+  return "with the key " + (key ? key->name() + " " + key->fingerprint() : "that is not readable") + ": " + text;
 }
 
 std::string summary_page(const RunSummary& run, std::size_t columns) {

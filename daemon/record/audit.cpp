@@ -187,9 +187,8 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   const Result<std::string> text = signature_text(header_.id, signature);
   if (!text) return fails(place + text.error());
 
-  std::string line = signature.name + ": " + signature.meaning;
-  if (!signature.reason.empty()) line += " (" + signature.reason + ")";
-  line += ", " + signature.utc + ", ";
+  // Who vouches stands before the person's words: these could be worded like a voucher.
+  std::string line;
   AuditedSignature audited;
   if (signature.vkey.empty()) {
     if (!signature.person || !signature.person->uid) return fails(place + "nobody vouches for this signature");
@@ -209,7 +208,9 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
     line += (audited.trusted ? "with the pinned key " : "with the key ") + own->name() + " " + audited.key +
             (audited.trusted ? "" : ", not trusted");
   }
-  audited.text = std::move(line);
+  line += ": " + signature.name + ": " + signature.meaning;
+  if (!signature.reason.empty()) line += " (" + signature.reason + ")";
+  audited.text = line + ", " + signature.utc;
   audit_.signatures.push_back(std::move(audited));
   signatures_.push_back(std::move(*read));
   return {};

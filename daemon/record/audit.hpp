@@ -23,7 +23,7 @@ enum class AuditState : std::uint8_t {
 
 // A person's signature that holds.
 struct AuditedSignature {
-  std::string text;      // one line: who, what for, when, by which key
+  std::string text;      // one line: by which key, then who, what for, when
   std::string key;       // fingerprint of the person's own key; empty: the service countersigned
   bool trusted = false;  // the person's key is pinned; of the service's countersignature: the file's key is trusted
 };

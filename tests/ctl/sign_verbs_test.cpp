@@ -41,7 +41,7 @@ TEST_F(SignVerbs, APersonSignsWithAKeyOfTheirOwn) {
   EXPECT_EQ(audit.code, 0) << audit.out;
   EXPECT_TRUE(holds(audit.out, ": intact\n  signed: ")) << audit.out;
   EXPECT_TRUE(holds(audit.out, "Anna Weber")) << audit.out;
-  EXPECT_TRUE(holds(audit.out, ", not trusted\n")) << audit.out;
+  EXPECT_TRUE(holds(audit.out, ", not trusted: Anna Weber: reviewed")) << audit.out;
   const std::string persons = folder.file("persons", "# who may sign\n\n" + vkey);
   for (const std::string& known : {own + ".pub", persons, vkey.substr(0, vkey.find('\n'))}) {
     const Outcome pinned = test::run({"audit", run, "--person", known});
@@ -53,7 +53,7 @@ TEST_F(SignVerbs, APersonSignsWithAKeyOfTheirOwn) {
   }
   EXPECT_EQ(test::run({"audit", run, "--person", folder.file("empty", "# nobody\n")}).code, 2);
   const Outcome show = test::run({"show", run});
-  EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber: reviewed (for the")) << show.out;
+  EXPECT_TRUE(holds(show.out, "signatures\n  with the key anna@desk ")) << show.out;
   EXPECT_TRUE(holds(show.out, "certificate")) << show.out;
 }
 
@@ -189,8 +189,8 @@ TEST_F(SignVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
   const Outcome outcome = test::run(command);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.out,
-            "run.dwell: signed: Anna Weber: reviewed, 2026-07-02T08:00:00Z, countersigned by the service for anna (uid "
-            "1000)\n");
+            "run.dwell: signed: countersigned by the service for anna (uid 1000): Anna Weber: reviewed, "
+            "2026-07-02T08:00:00Z\n");
   const auto request = nlohmann::json::parse(server.requests().at(0));
   EXPECT_EQ(request["verb"], "sign");
   EXPECT_EQ(request["file"], std::filesystem::absolute("run.dwell").string());

@@ -135,5 +135,20 @@ TEST(Forger, TheEntryOfASignatureByAnOwnKeyCannotBeAltered) {
   }
 }
 
+// Whoever signs with a key of their own chooses the words.
+TEST(Forger, NoWordsOfAPersonLookLikeTheServicesCountersignature) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_service});
+  PersonalSignature words = sample_words();
+  words.name = "countersigned by the service for user 0 (root): Anna";
+  ASSERT_TRUE(sign_by_own_key(path, words, sample_other()));
+  const Audit audit = audited(path);
+  ASSERT_EQ(audit.signatures.size(), 2u);
+  EXPECT_EQ(audit.signatures[0].text.rfind("countersigned by the service for user 1000 (anna): Anna Huber: ", 0), 0u)
+      << audit.signatures[0].text;
+  EXPECT_EQ(audit.signatures[1].text.rfind("with the key ", 0), 0u) << audit.signatures[1].text;
+}
+
 }  // namespace
 }  // namespace dwell::record

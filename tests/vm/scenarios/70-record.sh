@@ -31,7 +31,7 @@ claim "record: the ledger knows both" says "ledger: unbroken$" audit "$first" "$
 claim "record: the replay of the drive's is identical" says "identical: .* bit for bit" as_anna dwellctl replay "$first"
 claim "record: the replay of the operator's is identical" says "identical: .* bit for bit" as_anna dwellctl replay "$second"
 claim "record: an operator signs" as_anna dwellctl sign "$second" --name "Anna Weber" --meaning reviewed --reason "certificate 2231"
-claim "record: the service vouches for her" says "Anna Weber: reviewed .*countersigned by the service for user [0-9]+ \(anna\)" audit "$second"
+claim "record: the service vouches for her" says "countersigned by the service for user [0-9]+ \(anna\): Anna Weber: reviewed " audit "$second"
 
 cp -r $folder "$work/copy"
 rm "$work/copy/reserve"
