@@ -263,7 +263,7 @@ std::string what_else(const std::string& path) {
   const std::string_view begin(bytes.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
   constexpr std::size_t kApplicationId = 68;  // its place in SQLite's header; four bytes, the highest first
   if (begin.size() == bytes.size() && begin.substr(kApplicationId, 4) == "DWLG")
-    return "is a ledger, no run file; expected it with --ledger";
+    return "is a ledger, no run file; `dwellctl audit --ledger` takes it";
   // The two magic numbers of a write-ahead log of SQLite.
   if (name.ends_with("-wal") && (begin.empty() || begin.substr(0, 4) == std::string_view("\x37\x7f\x06\x82", 4) ||
                                  begin.substr(0, 4) == std::string_view("\x37\x7f\x06\x83", 4)))

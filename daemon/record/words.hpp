@@ -13,7 +13,7 @@ namespace dwell::record {
 inline constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
 
 // Why `text` cannot stand in the record, with what was expected: it is not UTF-8, holds a control character
-// (core/base/printable.hpp) or has more than `most` bytes. Empty: it can.
+// (core/base/printable.hpp), has more than `most` bytes, or holds spaces alone. Empty: it can.
 [[nodiscard]] std::string why_not_words(std::string_view text, std::size_t most);
 
 }  // namespace dwell::record

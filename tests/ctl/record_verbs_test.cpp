@@ -81,9 +81,9 @@ TEST_F(RecordVerbs, AuditSaysOfFilesBesideTheRunsWhatTheyAre) {
   auto made = record::Ledger::open(folder.path(""), key);
   ASSERT_TRUE(made && made->begin_log());
   const std::string reserve = folder.file("reserve", std::string(1000, '\0'));
-  for (const auto& [file, words] :
-       {std::pair(ledger, "is a ledger, no run file"), std::pair(ledger + "-wal", "is the -wal of a run or a ledger"),
-        std::pair(reserve, "is the room that the service reserves")}) {
+  for (const auto& [file, words] : {std::pair(ledger, "is a ledger, no run file; `dwellctl audit --ledger` takes it"),
+                                    std::pair(ledger + "-wal", "is the -wal of a run or a ledger"),
+                                    std::pair(reserve, "is the room that the service reserves")}) {
     const Outcome outcome = test::run({"audit", good, file});
     EXPECT_EQ(outcome.code, 2) << file;
     EXPECT_TRUE(holds(outcome.err, words)) << outcome.err << outcome.out;

@@ -131,6 +131,7 @@ TEST_F(SignVerbs, WordsThatCannotStandInTheRecordAreWrongUsage) {
       {{"replay", run, "--rig", "r.toml", "-o", "c.dwell"}, "--comment"},
       {{"sign", run, "--key", own, "--meaning", "reviewed"}, "--reason"}};
   for (const auto& [asked, option] : labels) {
+    refused(asked, option, "   ", "it holds only spaces, expected words");
     refused(asked, option, std::string(201, 'a'), "it has 201 bytes, expected at most 200");
     refused(asked, option, std::string(100'000, 'a'), "it has 100000 bytes, expected at most 200");
   }
