@@ -243,6 +243,8 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
   if (!ended && ended.error().cause() == Cause::stopped) return fails(ended.error());
   if (chain ? !chain->unchanged() : chain.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
+  if (!ended && ended.error().cause() == Cause::newer)
+    return fails({path + ": cannot be audited: " + ended.error(), Cause::newer});
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
   if (!ended) {
     audit.where = ended.error();
@@ -310,7 +312,7 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
     Result<Audit> audit =
         look(path, options, every_signature, anchors->all, ledger && ledger->verifies() ? ledger.get() : nullptr);
     if (!audit) {
-      if (audit.error().cause() == Cause::stopped || ++tries > kAuditTries) return audit;
+      if (audit.error().cause() != Cause::read_again || ++tries > kAuditTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {
       // The newest signature alone does not tell where the first thing is that does not hold.
       every_signature = true;

@@ -1,6 +1,7 @@
 #include "daemon/record/chain_tables.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <vector>
 
 namespace dwell::record {
@@ -27,8 +28,9 @@ Result<void> check_tables(sqlite3* database, ChainSort sort) {
   }
   const std::string version = first_text(database, "PRAGMA user_version");
   if (version != std::to_string(kFormatVersion))
-    return fails("a " + sort_of(sort) + " of format " + version + "; this program knows format " +
-                 std::to_string(kFormatVersion));
+    return fails({"a " + sort_of(sort) + " of format " + version + "; this program knows format " +
+                      std::to_string(kFormatVersion),
+                  std::atoll(version.c_str()) > kFormatVersion ? Cause::newer : Cause::other});
 
   const Statement schema = prepare(database, "SELECT type, name, sql FROM sqlite_schema ORDER BY name");
   if (!schema) return fails(sqlite_message(database));

@@ -86,6 +86,8 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true);
     const Result<void> sound = chain ? walk(*chain, ledger, anchors->all) : tl::unexpected(chain.error());
     if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
+    if (!sound && sound.error().cause() == Cause::newer)
+      return fails({path + ": cannot be audited: " + sound.error(), Cause::newer});
     if (!sound) ledger.broken = sound.error();
     ledger.must_be_by(options.keys);
     return ledger;

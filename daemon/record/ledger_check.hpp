@@ -23,7 +23,8 @@ struct CheckedLedger {
   [[nodiscard]] const LedgerRun* find(const std::string& file) const;
 };
 
-// Fails only if the ledger or an anchor file does not exist or cannot be read at all.
+// Fails only if the ledger or an anchor file does not exist or cannot be read at all, or if the ledger is of
+// a newer format.
 [[nodiscard]] Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& options);
 
 // "the key asked for", for messages.

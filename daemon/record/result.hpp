@@ -13,6 +13,7 @@ enum class Cause : std::uint8_t {
   other,
   read_again,  // a writer changed the file meanwhile: another attempt succeeds
   stopped,     // the caller asked to give up
+  newer,       // of a newer format than this program knows
 };
 
 // Why something failed, in words for people; the cause is for code.

@@ -35,5 +35,24 @@ TEST_F(RunFileVerbs, ARecordingAsTextNeedsItsRigFile) {
   EXPECT_NE(seen.err.find("--rig"), std::string::npos) << seen.err;
 }
 
+// Not tampered with, as far as this program can tell.
+TEST_F(RunFileVerbs, AFileOfANewerFormatCannotBeAudited) {
+  constexpr std::size_t kVersion = 63;  // the lowest byte of user_version in SQLite's header
+  std::string bytes = contents_of(write("run.dwell"));
+  for (const auto& [version, code] : {std::pair('\3', kUsage), std::pair('\1', kNo)}) {
+    bytes[kVersion] = version;
+    const std::string file = folder.file("other.dwell", bytes);
+    AuditRequest request;
+    request.files = {file};
+    const Printed seen = printed([&] { return audit_files(request); });
+    EXPECT_EQ(seen.code, code) << seen.out << seen.err;
+    if (code == kNo) continue;
+    EXPECT_EQ(seen.out, "");
+    EXPECT_NE(seen.err.find(file + ": cannot be audited: a run file of format 3; this program knows format 2"),
+              std::string::npos)
+        << seen.err;
+  }
+}
+
 }  // namespace
 }  // namespace dwell::ctl
