@@ -25,6 +25,7 @@ struct Housekeeper::Outcomes {
     Notice notice;           // empty text: none
     bool of_anchor = false;  // then `trouble` is how it went
     std::string trouble;
+    std::uint64_t ended_heads = 0;  // HeadsToArrive::added() of the delivery
   };
   std::mutex mutex;
   std::vector<Outcome> waiting;
@@ -56,7 +57,7 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
     look_at_all(recorded != nullptr ? recorded->file : std::string());
     next_retention_ns_ = now.raw_ns;
   }
-  // Where jobs do not find room, whatever needs one waits for another turn.
+  // While the queue of jobs is full, ended runs and deletions wait for another turn.
   const bool room = !jobs_.full();
   // Several runs may have begun and ended since the last turn.
   const std::vector<EndedRunFile> ended = room ? folder_.take_ended() : std::vector<EndedRunFile>();
@@ -97,8 +98,8 @@ void Housekeeper::anchor(const ClockPair& now, const std::vector<EndedRunFile>& 
   const double minutes = options_.anchor.minutes > 0.0 ? options_.anchor.minutes : kAnchorMinutes;
   next_anchor_ns_ = now.raw_ns + static_cast<std::int64_t>(minutes * 60e9);
   std::string lines;
-  std::vector<Anchor> heads;
-  for (const EndedRunFile& run : ended) heads.push_back(run.head);
+  for (const EndedRunFile& run : ended) ended_heads_.add(run.head);
+  std::vector<Anchor> heads(ended_heads_.all().begin(), ended_heads_.all().end());
   for (Anchor& head : folder_.heads()) heads.push_back(std::move(head));
   for (Anchor& head : heads) {
     Digest& anchored = anchored_[head.origin];
@@ -109,11 +110,14 @@ void Housekeeper::anchor(const ClockPair& now, const std::vector<EndedRunFile>& 
     lines += (lines.empty() ? "" : "\n") + line;
   }
   if (anchored_.size() > kOriginsKnown) anchored_.clear();
-  if (lines.empty() || (options_.anchor.file.empty() && options_.anchor.command.empty())) return;
-  const bool posted = jobs_.post([target = options_.anchor, lines, outcomes = outcomes_](const auto&) {
-    const auto done = deliver_anchor(target, lines);
-    outcomes->put({{}, true, done ? std::string() : std::string(done.error())});
-  });
+  const bool nowhere = options_.anchor.file.empty() && options_.anchor.command.empty();
+  if (nowhere) ended_heads_.arrived(ended_heads_.added());  // the log has them
+  if (nowhere || lines.empty()) return;
+  const bool posted =
+      jobs_.post([target = options_.anchor, lines, added = ended_heads_.added(), outcomes = outcomes_](const auto&) {
+        const auto done = deliver_anchor(target, lines);
+        outcomes->put({{}, true, done ? std::string() : std::string(done.error()), added});
+      });
   if (!posted) outcomes_->put({{}, true, "the anchors before have not arrived yet"});
 }
 
@@ -186,7 +190,10 @@ void Housekeeper::take_outcomes() {
     if (!outcome.of_anchor) continue;
     if (!outcome.trouble.empty() && anchor_trouble_.empty())
       tell_({Notice::Grade::warning, "anchor: " + outcome.trouble, 0, {}});
-    if (!outcome.trouble.empty()) anchored_.clear();  // all heads are sent again when the next anchor is due
+    if (outcome.trouble.empty())
+      ended_heads_.arrived(outcome.ended_heads);
+    else
+      anchored_.clear();  // all heads are sent again when the next anchor is due
     anchor_trouble_ = std::move(outcome.trouble);
   }
 }

@@ -13,6 +13,7 @@
 
 #include "daemon/record/anchor_delivery.hpp"
 #include "daemon/record/digest.hpp"
+#include "daemon/record/heads_to_arrive.hpp"
 #include "daemon/record/job_thread.hpp"
 #include "daemon/record/notice.hpp"
 #include "daemon/record/retention.hpp"
@@ -74,8 +75,9 @@ class Housekeeper {
   RunAudits audits_;
   std::string listed_;  // file of the current run
   std::int64_t next_anchor_ns_ = 0;
-  std::optional<std::int64_t> next_retention_ns_;  // none: no turn has begun to read the directory yet
+  std::optional<std::int64_t> next_retention_ns_;  // none until the first turn, which reads the directory
   std::map<std::string, Digest> anchored_;         // newest head by origin
+  HeadsToArrive ended_heads_;
   std::deque<Deletion> deletions_;
   AgeDoubt age_doubt_;
   std::string told_doubt_;  // why old runs stay, as the log has it

@@ -82,6 +82,28 @@ TEST_F(HousekeeperTest, RunsThatBeginAndEndBetweenTwoTurnsAreListedAndAnchored) 
   for (const RunHeader& run : runs) turn_until(0.5, [&] { return sent(run); });
 }
 
+// Each run that ends tells its last head once, and the share was away just then.
+TEST_F(HousekeeperTest, TheAnchorOfARunThatEndedIsSentAgainAlthoughOthersHaveFollowed) {
+  ASSERT_TRUE(folder.open());
+  keeper = std::make_unique<Housekeeper>(
+      HousekeepingOptions{folder_options(scratch.path("")).directory, {}, {1.0, heads, {}}}, folder,
+      std::make_shared<RunList>(), notices.tell());
+  std::vector<RunHeader> runs;
+  for (int i = 0; i < 3; ++i) {
+    RunHeader header = rig_header();
+    header.start_utc = iso_utc(kMidnight_utc_ns);
+    ASSERT_TRUE(folder.begin(header, 0, {}));
+    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
+    ASSERT_TRUE(folder.end(last, i < 2));
+    runs.push_back(header);
+  }
+  turn_until(0.0, [&] { return !keeper->anchor_trouble().empty(); });
+  std::filesystem::create_directory(scratch.path("share"));
+  turn_until(60.0, [&] { return keeper->anchor_trouble().empty(); });
+  for (const RunHeader& run : runs)
+    EXPECT_NE(Scratch::read(heads).find("dwell/run/" + run.id + " 2 "), std::string::npos) << run.id;
+}
+
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.
 struct RetentionByAgeTest : HousekeeperTest {
   RetentionByAgeTest() {
