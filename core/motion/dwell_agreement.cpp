@@ -84,16 +84,17 @@ std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dw
 }
 
 // The elements of which a term that explains the readings, the likeliest or one that they do not tell from it, moves a
-// coefficient of the dwell by more than so many times its U95. nullopt: nothing explains them, or what a term moves is
-// not known.
+// coefficient of the dwell by more than so many times its U95. nullopt: nothing explains them, or of no term is known
+// what it moves.
 std::optional<std::vector<int>> moved_elements(const MotionEstimate& motion, const Dwell& dwell, double times) {
-  if (motion.missing.empty()) return std::nullopt;
+  const auto known = [&](const MissingTerm& term) { return term.moves.size() >= 2 * dwell.elements.size(); };
+  if (std::none_of(motion.missing.begin(), motion.missing.end(), known)) return std::nullopt;
   std::vector<int> moved;
   for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
     const ElementEstimate& element = dwell.elements[e];
     bool moves = false;
     for (const MissingTerm& term : motion.missing) {
-      if (term.moves.size() < 2 * dwell.elements.size()) return std::nullopt;
+      if (!known(term)) continue;
       moves = moves || std::abs(term.moves[2 * e]) > times * element.stiffness.U95 ||
               std::abs(term.moves[2 * e + 1]) > times * element.damping.U95;
     }
@@ -106,16 +107,19 @@ std::optional<std::vector<int>> moved_elements(const MotionEstimate& motion, con
 std::optional<Objection> better_explained(const MotionEstimate& motion, const Dwell& dwell) {
   const auto moved = moved_elements(motion, dwell, 1.0), wrong = moved_elements(motion, dwell, kWrong);
   if (!moved || moved->empty()) return std::nullopt;
-  const std::string which = motion.missing.size() == 1 ? "which" : "of which at least one";
-  return Objection{"any motion: the readings are better explained with " + told_together(motion.missing) + " (gain " +
-                       brief(motion.missing.front().gain) + "), " + which + " would move " + elements_text(*moved) +
-                       " by more than U95",
-                   !wrong->empty(), *moved};
+  const std::string with = told_together(motion.missing), gain = brief(motion.missing.front().gain);
+  const std::string moves = elements_text(*moved) + " by more than U95";
+  return Objection{
+      "any motion: the readings are better explained with " + with +
+          (motion.missing.size() == 1 ? " (gain " + gain + "), which would move " + moves
+                                      : " (gain " + gain + " of the first): one or the other may move " + moves),
+      !wrong->empty(), *moved};
 }
 
 }  // namespace
 
 std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion) {
+  // A rig file's mistake is one for as long as the rig stands, so a term that any part of the hold tells of counts.
   const bool of_its_hold = dwell.start_s < motion.end_s && motion.start_s < dwell.end_s;
   if (!of_its_hold) return std::nullopt;
   if (!motion.contradicted) {

@@ -22,12 +22,12 @@ namespace dwell {
 // some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
 
-// What any motion holds against a dwell, the first of these that is so. Its stretch must hold a part of the dwell's
-// hold; the transient before the dwell's own data is enough for the last two:
+// What any motion holds against a dwell, the first of these that is so. The estimate must overlap the dwell's hold,
+// transient included:
 //
-// - the readings contradict the chain, some of the dwell's own data among them. The dwell's coefficients rest on the
-//   same chain, and one steady frequency cannot show that by itself. A transient alone is no ground: a knock in it is
-//   over when the dwell has settled;
+// - the readings contradict the chain. The dwell's coefficients rest on the same chain, and one steady frequency cannot
+//   show that by itself. The estimate must then reach into the dwell's own data: a knock in the transient contradicts
+//   the chain as well, and is over when the dwell has settled;
 // - a coefficient differs from the dwell's by five joint standard uncertainties. The rig, a transducer or a clock
 //   changed on the way, and each dwell by itself looks well. Or harmonics of the drive fold onto the fundamental: named
 //   are the channels for which the dwell's budget has a share "folded harmonics of …";

@@ -38,6 +38,13 @@ std::string ledger_verdict(const record::LedgerAudit& ledger) {
   return ledger.missing.empty() ? "unbroken" : "missing: " + ledger.missing.front();
 }
 
+// Of the anchor files, which are the same for all.
+std::size_t skipped_anchor_lines(const std::vector<record::Audit>& audits,
+                                 const std::optional<record::LedgerAudit>& ledger) {
+  if (ledger) return ledger->skipped_anchor_lines;
+  return audits.empty() ? 0 : audits.front().skipped_anchor_lines;
+}
+
 std::string page(const std::vector<record::Audit>& audits, const AuditRequest& request,
                  const std::optional<record::LedgerAudit>& ledger) {
   std::string text;
@@ -45,6 +52,10 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
     text += printable(audit.file + ": " + verdict(audit)) + "\n";
     for (const record::AuditedSignature& one : audit.signatures) text += "  signed: " + printable(one.text) + "\n";
   }
+  if (const std::size_t lines = skipped_anchor_lines(audits, ledger); lines > 0)
+    text += "anchors: " + std::to_string(lines) +
+            (lines == 1 ? " line names a run or a ledger and does not have the form of an anchor: it was skipped\n"
+                        : " lines name a run or a ledger and do not have the form of an anchor: they were skipped\n");
   if (!ledger) return text;
   if (!ledger->unbroken || ledger->missing.empty())
     text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where) +
@@ -56,11 +67,6 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
     text += "  anchors: " + std::to_string(ledger->foreign_anchors) +
             (ledger->foreign_anchors == 1 ? " line is" : " lines are") +
             " of another ledger, so nothing was compared with " + (ledger->foreign_anchors == 1 ? "it\n" : "them\n");
-  if (ledger->unread_anchors > 0)
-    text += "  anchors: " + std::to_string(ledger->unread_anchors) +
-            (ledger->unread_anchors == 1 ? " line speaks" : " lines speak") +
-            " of a run or a ledger without being an anchor, so nothing was compared with " +
-            (ledger->unread_anchors == 1 ? "it\n" : "them\n");
   return text;
 }
 
@@ -98,8 +104,8 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
     document["missing"] = ledger->missing;
     document["deleted"] = ledger->deleted;
     document["foreign_anchors"] = ledger->foreign_anchors;
-    document["unread_anchors"] = ledger->unread_anchors;
   }
+  document["skipped_anchor_lines"] = skipped_anchor_lines(audits, ledger);
   return document;
 }
 

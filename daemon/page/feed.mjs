@@ -100,7 +100,7 @@ export class Feed {
     const told = `${dwell.start_utc} ${dwell.index} ${dwell.state} ${model}`;
     if (told !== this.#told) {
       this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
-      this.#ask(); // a trouble of before must not stand beside the state of now
+      this.#ask(); // so that a trouble of before soon stands no longer beside the state of now
     }
     this.#told = told;
     this.#changed();
@@ -189,7 +189,7 @@ export class Feed {
         const told = await this.#get(`${run.dwells_at}?count=100`);
         if (told.rig_sha256 === this.health.rig_sha256) this.#takeEarlier(told.dwells);
       } catch {
-        // A run that cannot be read leaves a gap in the trend; the table of runs says why.
+        // A run that cannot be read now leaves a gap in the trend until the page is loaded anew.
       }
     }
     this.#changed();

@@ -47,8 +47,9 @@ bool is_tag(const std::string& word) {
          holds_only(std::string_view(word).substr(bracket + 1, word.size() - bracket - 3), "0123456789");
 }
 
-// What the log and journalctl write before a message. The words of people stand inside messages, and no message begins
-// with a time: so no words can look like this.
+// What the log and journalctl write before a message. Words of people follow the beginning of a message of ours, and a
+// message is one line. So where nothing else stands before "anchor:", the line is our own. No message of ours may begin
+// with words of people.
 bool is_front_of_message(const std::vector<std::string>& words) {
   if (words.empty()) return true;                                         // journalctl -o cat
   if (words.size() == 2 && is_time(words[0])) return words[1] == "info";  // the log's file
@@ -95,10 +96,12 @@ Result<Anchors> read_anchors(const std::string& path) {
     if (auto anchor = parse(line, at))
       anchors.all.push_back(std::move(*anchor));
     else
-      ++anchors.unread;
+      ++anchors.skipped;
   }
   if (anchors.all.empty())
-    return tl::unexpected(path + ": no anchor in it; expected lines \"UTC dwell/run/ID NUMBER HEAD\"");
+    return tl::unexpected(path +
+                          ": no anchor in it; expected lines \"UTC dwell/run/ID NUMBER HEAD\", or the output of " +
+                          "journalctl -u dwelld");
   return anchors;
 }
 

@@ -25,7 +25,7 @@ struct Anchor {
 
 struct Anchors {
   std::vector<Anchor> all;
-  std::size_t unread = 0;  // lines that speak of a run or a ledger and are no anchors
+  std::size_t skipped = 0;  // lines that name a run or a ledger and do not have the form of an anchor
 };
 
 // The anchors of a file, one a line. Before an anchor a line holds nothing, or what the log or journalctl puts there

@@ -42,6 +42,7 @@ struct Audit {
   bool trusted = false;    // a pinned key, or one that the ledger connects with a pinned key
   bool of_ledger = false;  // the ledger knows the key; without a pinned key this proves nothing
   std::vector<AuditedSignature> signatures;
+  std::size_t skipped_anchor_lines = 0;  // Anchors::skipped
 };
 
 // The key and whether it is trusted: "key 7c0e 1969 … trusted", "key 7c0e 1969 … not trusted (known to this ledger)".
@@ -69,10 +70,9 @@ struct AuditOptions {
 inline constexpr const char* kAuditStopped = "the audit was given up";
 
 // A file that is no run file counts as tampered, with the reason. A ledger, a -wal and the reserve of a recording
-// directory are told by name and content: for these the audit fails and says what the file is. So it does for a file
-// of a newer format. It fails too if the run
-// file, the ledger or an anchor file does not exist or may not be read, or if a writer altered the run file during each
-// of kAuditTries passes.
+// directory are told by name and content: for these the audit fails and says what the file is. It fails likewise for a
+// file of a newer format. It fails too if the run file, the ledger or an anchor file does not exist or may not be read,
+// or if a writer altered the run file during each of kAuditTries passes.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {
@@ -83,7 +83,7 @@ struct LedgerAudit {
   std::vector<std::string> deleted;  // runs entered as deleted, one line each: by retention, or they never had a file
   std::vector<std::string> missing;  // runs that should be in `directory` and are not
   std::size_t foreign_anchors = 0;   // lines of ledgers other than this one: nothing is compared with them
-  std::size_t unread_anchors = 0;    // Anchors::unread
+  std::size_t skipped_anchor_lines = 0;  // Anchors::skipped
 };
 
 // Checks the ledger itself, and that each run it knows is in `directory` or is entered as deleted. Fails if the ledger

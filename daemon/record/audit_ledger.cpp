@@ -72,7 +72,7 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
       std::count_if(anchors->all.begin(), anchors->all.end(), [own = ledger->book.origin()](const Anchor& anchor) {
         return anchor.origin.rfind("dwell/ledger/", 0) == 0 && anchor.origin != own;
       }));
-  audit.unread_anchors = anchors->unread;
+  audit.skipped_anchor_lines = anchors->skipped;
   if (options.progress) options.progress(1.0);
   return audit;
 }

@@ -116,7 +116,7 @@ Result<Anchors> read_all_anchors(const std::vector<std::string>& paths) {
     Result<Anchors> some = read_anchors(path);
     if (!some) return some;
     together.all.insert(together.all.end(), some->all.begin(), some->all.end());
-    together.unread += some->unread;
+    together.skipped += some->skipped;
   }
   return together;
 }

@@ -28,7 +28,7 @@ class JobThread {
   using Stopping = std::function<bool()>;
   // false: too many wait. A job must not throw. Thread-safe.
   bool post(std::function<void(const Stopping&)> job);
-  // post() would refuse a job. If one thread alone posts, false holds until it does. Thread-safe.
+  // Whether post() would refuse a job. Where one thread alone posts, its next post() succeeds after false. Thread-safe.
   [[nodiscard]] bool full() const;
 
  private:

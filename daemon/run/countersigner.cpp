@@ -70,13 +70,15 @@ record::Result<record::RunHeader> header_of(const std::string& path) {
 // and missing in the run's own file.
 record::Result<void> is_file_of_run(const std::string& path, const record::RunHeader& header,
                                     const record::LedgerBook& book) {
-  if (header.run == 0) return fail(path + ": is a child file, which no ledger knows");
+  if (header.run == 0)
+    return fail(path + ": is a child file, which no ledger knows: sign it with a key of your own (--key)");
   const auto known = book.runs().find(header.run);
   if (known == book.runs().end()) return fail(path + ": the ledger knows no such run");
   const std::string run = "run " + std::to_string(header.run);
   if (known->second.id != header.id) return fail(path + ": the ledger knows another run as " + run);
   if (known->second.file != std::filesystem::path(path).filename())
-    return fail(path + ": is " + run + ", whose file by the ledger is " + known->second.file + ": sign that one");
+    return fail(path + ": is a copy of " + run + ", whose file is " + known->second.file +
+                " in the ledger: take that one");
   return {};
 }
 

@@ -1,6 +1,8 @@
-// Tells where a channel's readings pause: the interval is more than 2.5 times as long as usual. Usual is the second
-// longest of the 32 intervals before: one that is longer than all others, as where a reading is missing or after
-// another pause, is not. Readings that come in bursts of up to 16 so pause nowhere.
+// Tells where a channel's readings pause: the interval is more than 2.5 times as long as usual, so that one missing
+// reading is bridged, as in an export (Resampler::kGap). The usual interval is the second longest of the last 32, so
+// that one outlier, such as an earlier pause, does not count. Of readings in bursts of up to 16, two of the 32 are the
+// long ones, so they do not pause. After two pauses within 32 readings only one 2.5 times as long as the shorter is
+// told.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +16,8 @@ namespace dwell {
 // A value; bound to one thread. Real-time safe.
 class PauseFinder {
  public:
-  // The next reading, not before the last: whether there was a pause before it. Not told before the third interval.
-  // O(32).
+  // Whether there was a pause before the next reading, whose t_ns must not decrease. Always false for the first two
+  // intervals. O(32).
   [[nodiscard]] bool paused_before(std::int64_t t_ns) noexcept {
     const std::int64_t last_ns = std::exchange(last_ns_, t_ns);
     if (last_ns == kNone) return false;

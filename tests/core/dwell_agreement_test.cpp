@@ -153,7 +153,7 @@ TEST(ObjectionToADwell, IsThatANamedTermWouldMoveItsCoefficientsBeyondTheirU95) 
 }
 
 // A weak spring to ground looks like a scale; the likelier of the two is chance, the other may be true.
-TEST(ObjectionToADwell, IsThatATermWouldMoveThemWhichTheReadingsDoNotTellFromTheLikeliest) {
+TEST(ObjectionToADwell, CountsTermsThatTheReadingsDoNotTellFromTheLikeliest) {
   Pair pair = contradicted({3.9, 0.0});
   pair.motion.contradicted = false;
   pair.motion.missing.resize(2);
@@ -167,11 +167,11 @@ TEST(ObjectionToADwell, IsThatATermWouldMoveThemWhichTheReadingsDoNotTellFromThe
   EXPECT_FALSE(objection->grave) << "beyond U95, but not by five standard uncertainties";
   EXPECT_EQ(objection->what,
             "any motion: the readings are better explained with a scale of y0 of 0.9965 ± 0.0022 instead of 1 or a "
-            "spring of 7.1 ± 4.4 N/m from mass 1 to ground (gain 19.5), of which at least one would move element 1 by "
-            "more than U95");
+            "spring of 7.1 ± 4.4 N/m from mass 1 to ground (gain 19.5 of the first): one or the other may move element "
+            "1 by more than U95");
 }
 
-TEST(ObjectionToADwell, MayNameATermThatTheTransientBeforeItsOwnDataTellsOf) {
+TEST(ObjectionToADwell, MayNameATermByTheTransientAlone) {
   Pair before = contradicted({10.1, 0.0});
   before.motion.end_s = 4.6;
   EXPECT_FALSE(objection_to(before.dwell, before.motion)) << "a knock in the transient contradicts the chain too";

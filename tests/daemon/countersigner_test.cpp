@@ -202,7 +202,7 @@ TEST_F(OwnKeySignatures, UnderACopyByAnotherNameAreNotEntered) {
   ASSERT_TRUE(sign_by_own_key(scratch.path("copy.dwell"), words("reviewed"), own));
   const auto done = answer("copy.dwell", true);
   ASSERT_FALSE(done);
-  EXPECT_NE(done.error().find("copy.dwell: is run 1, whose file by the ledger is a.dwell"), std::string::npos)
+  EXPECT_NE(done.error().find("copy.dwell: is a copy of run 1, whose file is a.dwell in the ledger"), std::string::npos)
       << done.error();
   EXPECT_EQ(audited().state, record::AuditState::intact) << audited().where;
 }
@@ -213,7 +213,7 @@ TEST_F(OwnKeySignatures, NorDoesTheServiceSignSuchACopy) {
   const std::string before = record::Scratch::read(run);
   const auto done = answer("copy.dwell", false);
   ASSERT_FALSE(done);
-  EXPECT_NE(done.error().find("copy.dwell: is run 1, whose file by the ledger is a.dwell"), std::string::npos)
+  EXPECT_NE(done.error().find("copy.dwell: is a copy of run 1, whose file is a.dwell in the ledger"), std::string::npos)
       << done.error();
   EXPECT_EQ(record::Scratch::read(scratch.path("copy.dwell")), before);
   EXPECT_EQ(audited().state, record::AuditState::intact) << audited().where;

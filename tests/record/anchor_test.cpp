@@ -37,7 +37,7 @@ TEST(Anchor, ALineIsReadAsItWasWrittenAlsoFromALogAndAJournal) {
     EXPECT_EQ(anchors->all[0].seq, 42);
     EXPECT_EQ(anchors->all[0].head, Digest{7});
     EXPECT_EQ(to_line(anchors->all[0]), kAnchorLine);
-    EXPECT_EQ(anchors->unread, 0u);
+    EXPECT_EQ(anchors->skipped, 0u);
   }
 }
 
@@ -55,7 +55,7 @@ TEST(Anchor, WordsOfPeopleInTheLogAreNone) {
         const auto anchors = read_lines(kAnchorLine + "\n" + line + "\n");
         ASSERT_TRUE(anchors) << line << anchors.error();
         EXPECT_EQ(anchors->all.size(), 1u) << line;
-        EXPECT_EQ(anchors->unread, 1u) << line;
+        EXPECT_EQ(anchors->skipped, 1u) << line;
       }
 }
 
@@ -67,7 +67,7 @@ TEST(Anchor, ALineThatIsNoneIsCountedAndTakesNoOtherAway) {
     const auto anchors = read_lines(kAnchorLine + "\n" + wrong);
     ASSERT_TRUE(anchors) << wrong << anchors.error();
     EXPECT_EQ(anchors->all.size(), 1u) << wrong;
-    EXPECT_EQ(anchors->unread, 1u) << wrong;
+    EXPECT_EQ(anchors->skipped, 1u) << wrong;
   }
 }
 
