@@ -83,22 +83,21 @@ std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dw
   return out;
 }
 
-// The elements of which a term that explains the readings, the likeliest or one that they do not tell from it, moves a
-// coefficient of the dwell by more than so many times its U95. nullopt: nothing explains them, or of no term is known
-// what it moves.
+// Some terms explain the readings alike. Elements are given of which one of these terms moves a coefficient of the
+// dwell by more than `times` its U95. nullopt: no term explains the readings, or it is not known what the terms move.
+// One search names them all, so that is known of all or of none.
 std::optional<std::vector<int>> moved_elements(const MotionEstimate& motion, const Dwell& dwell, double times) {
-  const auto known = [&](const MissingTerm& term) { return term.moves.size() >= 2 * dwell.elements.size(); };
-  if (std::none_of(motion.missing.begin(), motion.missing.end(), known)) return std::nullopt;
+  const auto unknown = [&](const MissingTerm& term) { return term.moves.size() < 2 * dwell.elements.size(); };
+  if (motion.missing.empty() || std::any_of(motion.missing.begin(), motion.missing.end(), unknown)) return std::nullopt;
   std::vector<int> moved;
   for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
     const ElementEstimate& element = dwell.elements[e];
-    bool moves = false;
-    for (const MissingTerm& term : motion.missing) {
-      if (!known(term)) continue;
-      moves = moves || std::abs(term.moves[2 * e]) > times * element.stiffness.U95 ||
-              std::abs(term.moves[2 * e + 1]) > times * element.damping.U95;
-    }
-    if (moves && element.identifiable) moved.push_back(element.k);
+    const auto moves = [&](const MissingTerm& term) {
+      return std::abs(term.moves[2 * e]) > times * element.stiffness.U95 ||
+             std::abs(term.moves[2 * e + 1]) > times * element.damping.U95;
+    };
+    if (element.identifiable && std::any_of(motion.missing.begin(), motion.missing.end(), moves))
+      moved.push_back(element.k);
   }
   return moved;
 }
@@ -119,7 +118,7 @@ std::optional<Objection> better_explained(const MotionEstimate& motion, const Dw
 }  // namespace
 
 std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion) {
-  // A rig file's mistake is one for as long as the rig stands, so a term that any part of the hold tells of counts.
+  // A rig file is wrong all the time or never. So any part of the hold may tell of a term that it lacks.
   const bool of_its_hold = dwell.start_s < motion.end_s && motion.start_s < dwell.end_s;
   if (!of_its_hold) return std::nullopt;
   if (!motion.contradicted) {

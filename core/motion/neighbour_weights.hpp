@@ -1,4 +1,4 @@
-// A reading as a polynomial through its neighbours foresees it, and what that leaves as a noise.
+// Weights with which a polynomial through a reading's neighbours foresees it. What the polynomial misses is noise.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,11 @@ namespace dwell {
 // A normal distribution's standard deviation over its median deviation.
 inline constexpr double kSigmaOfMedian = 1.4826;
 
-// t: 2·beside + 1 instants, rising, in any unit. weights[i] is that of the reading at t[i] in the polynomial of degree
-// 2·beside - 1 through all but the middle one, at its instant (Lagrange); the middle's is -1. Equal instants count as
-// one and leave their weights finite. Thread-safe, real-time safe; (2·beside)² divisions.
+// Fills weights[0 … 2·beside]. t: as many instants, rising, in any unit. A polynomial of degree 2·beside - 1 goes
+// through all readings but the middle one. At the middle's instant it is Σ weights[i] x[i] over these (Lagrange). The
+// middle's own weight is -1, so that the sum over all readings is foreseen less read. Two equal instants give finite
+// weights that foresee nothing; the callers' medians over many readings bear a few of them. Thread-safe, real-time
+// safe; (2·beside)² divisions.
 inline void neighbour_weights(const double* t, std::size_t beside, double* weights) noexcept {
   weights[beside] = -1.0;
   for (std::size_t a = 0; a <= 2 * beside; ++a) {

@@ -15,7 +15,7 @@ namespace {
 // Neighbours on each side. With six, one residual in 4.4 is independent (Σ ρ²), with two, one in 2.6. More were not
 // tried: the work grows as the square.
 constexpr std::size_t kFewestBeside = 2, kMostBeside = 6;
-// σ by the median deviation has a variance of 1/0.37 times that of the best estimate, for normal residuals.
+// For normal residuals, σ from the median deviation has 1/0.37 = 2.7 times the variance of the best estimate of σ.
 constexpr double kMedianEfficiency = 0.37;
 
 constexpr std::size_t kMostWeights = 2 * kMostBeside + 1;

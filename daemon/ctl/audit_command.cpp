@@ -155,9 +155,9 @@ int audit_files(const AuditRequest& request) {
     ProgressBar bar("checking the ledger");
     options.progress = bar.progress();
     // The runs lie beside the ledger itself, not beside a link to it.
-    std::error_code code_of_link;
-    const std::filesystem::path real = std::filesystem::canonical(request.ledger, code_of_link);
-    if (code_of_link) return usage_error(request.ledger + ": " + code_of_link.message());
+    std::error_code failed;
+    const std::filesystem::path real = std::filesystem::canonical(request.ledger, failed);
+    if (failed) return usage_error(request.ledger + ": " + failed.message());
     auto checked = record::audit_ledger(request.ledger, real.parent_path().string(), options);
     if (!checked) return usage_error(checked.error());
     if (!checked->unbroken || !checked->missing.empty()) code = kNo;

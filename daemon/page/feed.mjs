@@ -100,7 +100,7 @@ export class Feed {
     const told = `${dwell.start_utc} ${dwell.index} ${dwell.state} ${model}`;
     if (told !== this.#told) {
       this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
-      this.#ask(); // so that a trouble of before soon stands no longer beside the state of now
+      this.#ask(); // a trouble of before must not stand for a second beside the state of now
     }
     this.#told = told;
     this.#changed();
@@ -172,8 +172,8 @@ export class Feed {
       const ended = utcMs(dwell, dwell.end_s);
       if (ended === null) continue;
       this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
-      if (dwell.elements.length > 0) this.history.takeEnded(dwell, ended);
     }
+    this.#addToTrend(list.dwells);
     await this.#askWhyUnverified();
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
     await this.#askLast();
@@ -187,14 +187,14 @@ export class Feed {
     for (const run of earlierRuns(this.runs).filter(({ ended }) => ended && Date.parse(ended) > since_ms)) {
       try {
         const told = await this.#get(`${run.dwells_at}?count=100`);
-        if (told.rig_sha256 === this.health.rig_sha256) this.#takeEarlier(told.dwells);
+        if (told.rig_sha256 === this.health.rig_sha256) this.#addToTrend(told.dwells);
       } catch {
-        // A run that cannot be read now leaves a gap in the trend until the page is loaded anew.
+        // The trend lacks this run until the page is loaded anew.
       }
     }
     this.#changed();
   }
-  #takeEarlier(dwells) {
+  #addToTrend(dwells) {
     for (const dwell of dwells) {
       const ended = utcMs(dwell, dwell.end_s);
       if (ended !== null && dwell.elements.length > 0) this.history.takeEnded(dwell, ended);

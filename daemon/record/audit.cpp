@@ -180,7 +180,7 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   const PersonalSignature& signature = *read;
   if (signature.seq != row.entry.seq - 1 || signature.head != audit_.head)
     return fails(place + "signs another head than that of the entry before it");
-  if (row.entry.t_ns != end_ns_) return fails(place + "its t_ns is not that of the end");
+  if (row.entry.t_ns != end_ns_) return fails(place + "its instant is not that of the entry \"end\"");
   // No note covers this entry, and the person's own note not all of it.
   if (!signature.vkey.empty() && row.entry.body != to_json(signature))
     return fails(place + "its body is not exactly that of a signature by a person's own key");

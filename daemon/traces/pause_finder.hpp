@@ -1,8 +1,10 @@
-// Tells where a channel's readings pause: the interval is more than 2.5 times as long as usual, so that one missing
-// reading is bridged, as in an export (Resampler::kGap). The usual interval is the second longest of the last 32, so
-// that one outlier, such as an earlier pause, does not count. Of readings in bursts of up to 16, two of the 32 are the
-// long ones, so they do not pause. After two pauses within 32 readings only one 2.5 times as long as the shorter is
-// told.
+// Tells where a channel's readings pause: where an interval is more than 2.5 times the usual one. One missing reading
+// makes two intervals of one and is bridged, two make three and are told. An export draws the line there too
+// (Resampler::kGap).
+//
+// The usual interval is the second longest of the last 32. So one outlier, such as an earlier pause, does not count,
+// and readings in bursts of up to 16 never pause: two of the 32 are the long intervals between bursts. After two pauses
+// within 32 readings a third one is told only if it is 2.5 times as long as the shorter of the two.
 #pragma once
 
 #include <algorithm>

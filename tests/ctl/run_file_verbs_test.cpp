@@ -35,7 +35,7 @@ TEST_F(RunFileVerbs, ARecordingAsTextNeedsItsRigFile) {
   EXPECT_NE(seen.err.find("--rig"), std::string::npos) << seen.err;
 }
 
-// Not tampered with, as far as this program can tell.
+// Its number of format alone differs, and this program cannot read what a newer format holds.
 TEST_F(RunFileVerbs, AFileOfANewerFormatCannotBeAudited) {
   constexpr std::size_t kVersion = 63;  // the lowest byte of user_version in SQLite's header
   std::string bytes = contents_of(write("run.dwell"));

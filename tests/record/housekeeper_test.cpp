@@ -37,6 +37,20 @@ struct HousekeeperTest : testing::Test {
     } while (!known());
   }
 
+  // A run that begins and ends at midnight. follows: another one begins at once.
+  RunHeader record_run(bool follows) {
+    RunHeader header = rig_header();
+    header.start_utc = iso_utc(kMidnight_utc_ns);
+    EXPECT_TRUE(folder.begin(header, 0, {}));
+    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
+    EXPECT_TRUE(folder.end(last, follows));
+    return header;
+  }
+  // Whether the anchor of the run's last entry has arrived.
+  [[nodiscard]] bool sent(const RunHeader& run) const {
+    return Scratch::read(heads).find("dwell/run/" + run.id + " 2 ") != std::string::npos;
+  }
+
   Scratch scratch;
   const std::string heads = scratch.path("share/heads");
   Notices notices;
@@ -66,19 +80,8 @@ TEST_F(HousekeeperTest, RunsThatBeginAndEndBetweenTwoTurnsAreListedAndAnchored) 
       HousekeepingOptions{folder_options(scratch.path("")).directory, {}, {1.0, heads, {}}}, folder, list,
       notices.tell());
   turn_until(0.0, [&] { return std::filesystem::exists(heads); });
-  std::vector<RunHeader> runs;
-  for (int i = 0; i < 3; ++i) {
-    RunHeader header = rig_header();
-    header.start_utc = iso_utc(kMidnight_utc_ns);
-    ASSERT_TRUE(folder.begin(header, 0, {}));
-    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
-    ASSERT_TRUE(folder.end(last, i < 2));
-    runs.push_back(header);
-  }
+  const std::vector<RunHeader> runs{record_run(true), record_run(true), record_run(false)};
   turn_until(0.5, [&] { return list->all()->size() == 3; });
-  const auto sent = [&](const RunHeader& run) {
-    return Scratch::read(heads).find("dwell/run/" + run.id + " 2 ") != std::string::npos;
-  };
   for (const RunHeader& run : runs) turn_until(0.5, [&] { return sent(run); });
 }
 
@@ -88,31 +91,18 @@ TEST_F(HousekeeperTest, TheAnchorOfARunThatEndedIsSentAgainAlthoughOthersHaveFol
   keeper = std::make_unique<Housekeeper>(
       HousekeepingOptions{folder_options(scratch.path("")).directory, {}, {1.0, heads, {}}}, folder,
       std::make_shared<RunList>(), notices.tell());
-  std::vector<RunHeader> runs;
-  for (int i = 0; i < 3; ++i) {
-    RunHeader header = rig_header();
-    header.start_utc = iso_utc(kMidnight_utc_ns);
-    ASSERT_TRUE(folder.begin(header, 0, {}));
-    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
-    ASSERT_TRUE(folder.end(last, i < 2));
-    runs.push_back(header);
-  }
+  const std::vector<RunHeader> runs{record_run(true), record_run(true), record_run(false)};
   turn_until(0.0, [&] { return !keeper->anchor_trouble().empty(); });
   std::filesystem::create_directory(scratch.path("share"));
   turn_until(60.0, [&] { return keeper->anchor_trouble().empty(); });
-  for (const RunHeader& run : runs)
-    EXPECT_NE(Scratch::read(heads).find("dwell/run/" + run.id + " 2 "), std::string::npos) << run.id;
+  for (const RunHeader& run : runs) EXPECT_TRUE(sent(run)) << run.id;
 }
 
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.
 struct RetentionByAgeTest : HousekeeperTest {
   RetentionByAgeTest() {
-    RunHeader header = rig_header();
-    header.start_utc = iso_utc(kMidnight_utc_ns);
     EXPECT_TRUE(folder.open());
-    EXPECT_TRUE(folder.begin(header, 0, {}));
-    const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
-    EXPECT_TRUE(folder.end(last, false));
+    record_run(false);
     folder.settle();
     HousekeepingOptions options{folder_options(scratch.path("")).directory, {400.0, {}}, {}};
     options.clock_synchronized = [this] { return synchronized; };
