@@ -6,7 +6,6 @@
 
 #include <exception>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 namespace dwell {
@@ -27,29 +26,35 @@ void give_up(VerificationJob& job, const std::string& why) {
 
 }  // namespace
 
-bool LongWork::work() {
-  const auto run = [this](auto& job) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(job)>, TransientJob>) {
-      job.run(rig);
-    } else {
-      job.run(rig, accuracy);
-    }
-  };
-  return slot.work([&](LongJob& job) {
+bool LongWork::estimate() {
+  return estimates.work([this](TransientJob& job) {
     try {
-      std::visit(run, job);
+      job.run(rig);
     } catch (const std::exception& failure) {
-      std::visit([&](auto& failed) { give_up(failed, failure.what()); }, job);
+      give_up(job, failure.what());
     }
   });
 }
 
-LongWorkThread::LongWorkThread(std::shared_ptr<LongWork> work)
-    : shared_(std::make_shared<Shared>(std::move(work))), thread_([shared = shared_] { run(shared); }) {}
+bool LongWork::verify() {
+  return verifications.work([this](VerificationJob& job) {
+    try {
+      job.run(rig, accuracy);
+    } catch (const std::exception& failure) {
+      give_up(job, failure.what());
+    }
+  });
+}
+
+LongWorkThread::LongWorkThread(std::shared_ptr<LongWork> work, Does does)
+    : shared_(std::make_shared<Shared>(std::move(work), does)), thread_([shared = shared_] { run(shared); }) {}
 
 LongWorkThread::~LongWorkThread() {
   shared_->stop.store(true);
-  shared_->work->slot.ring();
+  if (shared_->does == Does::estimates)
+    shared_->work->estimates.ring();
+  else
+    shared_->work->verifications.ring();
   // Either `busy` is seen here, or the thread sees `stop` before it begins a job: both are sequentially consistent. So
   // join() never waits for a job that begins after stop.
   if (shared_->busy.load()) {
@@ -60,14 +65,24 @@ LongWorkThread::~LongWorkThread() {
 }
 
 void LongWorkThread::run(const std::shared_ptr<Shared>& shared) {
-  pthread_setname_np(pthread_self(), "motion");
+  LongWork& work = *shared->work;
+  const bool estimates = shared->does == Does::estimates;
+  pthread_setname_np(pthread_self(), estimates ? "motion" : "verify");
   // Of this thread alone, as Linux has it. Where it is refused, the work is done at the usual priority.
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
-  while (!shared->stop.load()) {
-    shared->work->slot.wait();
-    shared->busy.store(true);
-    if (!shared->stop.load()) shared->work->work();
-    shared->busy.store(false);
+  if (estimates)
+    serve(work.estimates, &LongWork::estimate, *shared);
+  else
+    serve(work.verifications, &LongWork::verify, *shared);
+}
+
+template <class Job>
+void LongWorkThread::serve(WorkSlot<Job>& slot, bool (LongWork::*work)(), Shared& shared) {
+  while (!shared.stop.load()) {
+    slot.wait();
+    shared.busy.store(true);
+    if (!shared.stop.load()) (shared.work.get()->*work)();
+    shared.busy.store(false);
   }
 }
 

@@ -1,11 +1,12 @@
-// The thread for what takes seconds: coefficients from a transient, the verification of a model. It does one job at a
-// time, at a lower priority than all other threads; nobody waits for it.
+// The threads for what takes seconds: one for coefficients from a transient, one for the verification of a model. Each
+// does one job at a time, at a lower priority than all other threads; nobody waits for them. There are two, so that the
+// verdict on a dwell does not wait for an estimate, which may take minutes where it looks for what is missing.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <thread>
-#include <variant>
 
 #include "core/motion/transient_watch.hpp"
 #include "core/rig/rig.hpp"
@@ -14,25 +15,26 @@
 
 namespace dwell {
 
-using LongJob = std::variant<TransientJob, VerificationJob>;
-
-// What both threads hold: the slot between them, and what a job needs, which nobody changes.
+// What the estimation thread and the workers hold: the slots between them, and what a job needs, which nobody changes.
 struct LongWork {
   LongWork(Rig the_rig, double the_accuracy) : rig(std::move(the_rig)), accuracy(the_accuracy) {}
 
-  // Worker, or a test: does the job that waits; false: none does. Throws nothing: a failure is
+  // The worker of a slot, or a test: does the job that waits there; false: none does. Throws nothing: a failure is
   // stored as the job's reason.
-  bool work();
+  bool estimate();
+  bool verify();
 
   const Rig rig;
   const double accuracy;  // asked for of predictions, of each channel's rms
-  WorkSlot<LongJob> slot;
+  WorkSlot<TransientJob> estimates;
+  WorkSlot<VerificationJob> verifications;
 };
 
 class LongWorkThread {
  public:
+  enum class Does : std::uint8_t { estimates, verifications };
   // Starts at once.
-  explicit LongWorkThread(std::shared_ptr<LongWork> work);
+  LongWorkThread(std::shared_ptr<LongWork> work, Does does);
   // Does not wait: a running job cannot be interrupted and must not hold up the end of the run. Its thread is then
   // detached, keeps its data alive, and ends with the job.
   ~LongWorkThread();
@@ -41,12 +43,15 @@ class LongWorkThread {
 
  private:
   struct Shared {
-    explicit Shared(std::shared_ptr<LongWork> the_work) : work(std::move(the_work)) {}
+    Shared(std::shared_ptr<LongWork> the_work, Does what) : work(std::move(the_work)), does(what) {}
     const std::shared_ptr<LongWork> work;
+    const Does does;
     std::atomic<bool> stop{false};  // written by the owner
     std::atomic<bool> busy{false};  // written by the thread
   };
   static void run(const std::shared_ptr<Shared>& shared);
+  template <class Job>
+  static void serve(WorkSlot<Job>& slot, bool (LongWork::*work)(), Shared& shared);
 
   std::shared_ptr<Shared> shared_;
   std::thread thread_;

@@ -19,32 +19,35 @@ void ModelWork::ended(const Dwell& dwell, std::uint64_t position) {
 }
 
 void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline) {
-  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) take_back(std::move(*job));
+  // One a turn, since take_news() holds one.
+  if (auto estimate = work_->estimates.collect()) {
+    if (std::exchange(estimate_out_, false)) take_back(std::move(*estimate));
+  } else if (auto verified = work_->verifications.collect(); verified && std::exchange(verification_out_, false)) {
+    take_back(std::move(*verified));
+  }
   transient_.follow(now, readings_at_fault(work_->rig, pipeline, now));
   verification_.follow(now, position);
   if (const auto& newest = transient_.newest()) object(now, newest->estimate);
-  if (!work_->slot.free()) return;
-  // While the dwell settles the operator waits for an estimate, afterwards for the verdict on its model.
-  const bool settled = std::isfinite(now.settled_s);
-  if (transient_.due() && !(settled && verification_.due())) {
-    work_->slot.put(transient_.hand_over());
-    out_ = true;
-  } else if (verification_.due()) {
-    work_->slot.put(verification_.hand_over());
-    out_ = true;
+  if (transient_.due() && work_->estimates.free()) {
+    work_->estimates.put(transient_.hand_over());
+    estimate_out_ = true;
+  }
+  if (verification_.due() && work_->verifications.free()) {
+    work_->verifications.put(verification_.hand_over());
+    verification_out_ = true;
   }
 }
 
-void ModelWork::take_back(LongJob job) {
-  if (auto* const transient = std::get_if<TransientJob>(&job)) {
-    if (transient->ended) {
-      transient->result.dwell = transient->dwell;
-      transient->result.objection = object(*transient->ended, transient->result.estimate);
-    }
-    if (auto estimate = transient_.take_back(std::move(*transient))) news_ = std::move(estimate);
-    return;
+void ModelWork::take_back(TransientJob job) {
+  if (job.ended) {
+    job.result.dwell = job.dwell;
+    job.result.objection = object(*job.ended, job.result.estimate);
   }
-  verification_.take_back(std::move(std::get<VerificationJob>(job)));
+  if (auto estimate = transient_.take_back(std::move(job))) news_ = std::move(estimate);
+}
+
+void ModelWork::take_back(VerificationJob job) {
+  verification_.take_back(std::move(job));
   news_ = verification_.newest();
   const VerifiedDwell& of = *verification_.newest();
   if (!of.dwell.index) return;

@@ -1,6 +1,6 @@
-// What is computed beside a dwell, on the thread for long work: its coefficients by the method of any motion, and the
+// What is computed beside a dwell, on the threads for long work: its coefficients by the method of any motion, and the
 // verification of its model. This is the estimation thread's side of it: it gathers what comes by, hands over a job
-// when the slot is free, and keeps the results for the next snapshot. It never waits.
+// when its slot is free, and keeps the results for the next snapshot. It never waits.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@
 
 namespace dwell {
 
-// Bound to the estimation thread, the slot of `work` apart.
+// Bound to the estimation thread, the slots of `work` apart.
 class ModelWork {
  public:
   // The verdicts on the models of so many dwells are kept, the newest. EstimatorOptions keeps as many dwells.
@@ -39,10 +39,10 @@ class ModelWork {
   void gather(const SampleHistory* readings, std::int64_t origin_ns) noexcept {
     if (readings != nullptr) verification_.take(*readings, origin_ns);
   }
-  // Call a few times a second on the one object that may use the slot. now: the current dwell, as it stood after the
+  // Call a few times a second on the one object that may use the slots. now: the current dwell, as it stood after the
   // record `position`. pipeline: the dwell's; its channel() and condition_reason() are asked, nothing else. Takes
-  // finished work back and hands the next job over, in a millisecond at most. Drops a job that another object has
-  // handed over before.
+  // finished work back, one job a turn, and hands due jobs over, in two milliseconds at most. Drops a job that another
+  // object has handed over before.
   void turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline);
   // What the last turn() took back; each once.
   [[nodiscard]] std::optional<record::ModelResult> take_news() noexcept { return std::exchange(news_, std::nullopt); }
@@ -50,17 +50,18 @@ class ModelWork {
   void show(const Dwell& now, Snapshot& to) const;
 
  private:
-  void take_back(LongJob job);
+  void take_back(TransientJob job);
+  void take_back(VerificationJob job);
   std::string object(const Dwell& dwell, const MotionEstimate& motion);
   template <class Change>
   void change_verdict(int dwell, Change change);
 
-  const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
+  const std::shared_ptr<LongWork> work_;  // shared with the workers, which have the slots' other sides
   TransientWatch transient_;
   VerificationWatch verification_;
   std::shared_ptr<const VerifiedModels> models_;
   std::optional<record::ModelResult> news_;
-  bool out_ = false;  // the job in the slot is this one's
+  bool estimate_out_ = false, verification_out_ = false;  // the job in the slot is this one's
 };
 
 }  // namespace dwell

@@ -35,11 +35,16 @@ Run::Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Lin
 
 void Run::start() {
   thread_.emplace(estimator_);
-  if (long_work_) long_thread_.emplace(long_work_);
+  if (long_work_) {
+    motion_thread_.emplace(long_work_, LongWorkThread::Does::estimates);
+    verify_thread_.emplace(long_work_, LongWorkThread::Does::verifications);
+  }
 }
 
 void Run::end() {
-  long_thread_.reset();  // first: what the end of the run brings about is not computed any more
+  // First: what the end of the run brings about is not computed any more.
+  motion_thread_.reset();
+  verify_thread_.reset();
   thread_.reset();
 }
 

@@ -53,10 +53,10 @@ class Run {
   const bool bracketed_;
   RunInfo info_;
   std::int64_t start_utc_ns_ = 0;              // as in info_
-  const std::shared_ptr<LongWork> long_work_;  // shared by the two threads; null: the rig file asks for none
+  const std::shared_ptr<LongWork> long_work_;  // shared by the three threads; null: the rig file asks for none
   Estimator estimator_;
   std::optional<EstimationThread> thread_;
-  std::optional<LongWorkThread> long_thread_;
+  std::optional<LongWorkThread> motion_thread_, verify_thread_;
 };
 
 }  // namespace dwell

@@ -1,4 +1,4 @@
-// The thread for what takes seconds, and the slot through which it gets its work.
+// The threads for what takes seconds, and the slots through which they get their work.
 #include "daemon/estimate/long_work.hpp"
 
 #include <gtest/gtest.h>
@@ -40,21 +40,23 @@ TEST(WorkSlot, HandsAJobThereAndBackOnce) {
 
 TEST(LongWorkThread, DoesWhatIsPutIntoItsSlot) {
   const auto work = std::make_shared<LongWork>(small_rig(), 0.05);
-  const LongWorkThread thread(work);
+  const LongWorkThread thread(work, LongWorkThread::Does::estimates);
   for (int i = 0; i < 20; ++i) {
     TransientJob job;
     job.stretch = static_cast<std::uint64_t>(i);
-    work->slot.put(std::move(job));
-    std::optional<LongJob> done;
-    while (!(done = work->slot.collect())) std::this_thread::yield();
-    EXPECT_EQ(std::get<TransientJob>(*done).stretch, static_cast<std::uint64_t>(i));
-    EXPECT_EQ(std::get<TransientJob>(*done).result.estimate.reason, "there are no readings");
+    work->estimates.put(std::move(job));
+    std::optional<TransientJob> done;
+    while (!(done = work->estimates.collect())) std::this_thread::yield();
+    EXPECT_EQ(done->stretch, static_cast<std::uint64_t>(i));
+    EXPECT_EQ(done->result.estimate.reason, "there are no readings");
   }
 }
 
 TEST(LongWorkThread, EndsAtOnceWhateverItIsDoing) {
   const auto work = std::make_shared<LongWork>(small_rig(), 0.05);
-  { const LongWorkThread idle(work); }
+  for (const auto does : {LongWorkThread::Does::estimates, LongWorkThread::Does::verifications}) {
+    const LongWorkThread idle(work, does);
+  }
   TransientJob long_job;  // instants that never repeat: some tenths of a second
   std::mt19937_64 rng(1);
   std::normal_distribution<double> normal;
@@ -66,8 +68,8 @@ TEST(LongWorkThread, EndsAtOnceWhateverItIsDoing) {
   }
   const auto before = std::chrono::steady_clock::now();
   {
-    const LongWorkThread busy(work);
-    work->slot.put(std::move(long_job));
+    const LongWorkThread busy(work, LongWorkThread::Does::estimates);
+    work->estimates.put(std::move(long_job));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));  // in the midst of it, on most machines
   }
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(5));
