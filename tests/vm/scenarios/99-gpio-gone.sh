@@ -1,5 +1,5 @@
 # A chip that is taken away under the service and comes back, maybe by another number: a link has its name, as a udev rule
-# would make it. The last of all: the kernel leaves a warning of its own.
+# would make it. get.sh says what was changed in the simulated chips for it.
 line_is() { health ".gpio.$1.$2"; }
 
 start_gpio
