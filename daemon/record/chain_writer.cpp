@@ -12,6 +12,7 @@
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/chain_tables.hpp"
+#include "daemon/record/chain_tail.hpp"
 #include "daemon/record/regular_file.hpp"
 #include "daemon/record/run_entries.hpp"
 #include "daemon/record/sqlite.hpp"
@@ -103,49 +104,6 @@ Result<void> make_file(const std::string& path, ChainSort sort) {
   return {};
 }
 
-// The end of a valid chain.
-struct Tail {
-  std::int64_t seq = 0;
-  Digest head{};
-  NoteLink note;  // the last
-};
-
-// Follows the chain from its start; its last note must be by `signer`, and only signatures may come after.
-Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& origin, const PublicKey& signer) {
-  Result<ChainReader> reader = ChainReader::open(path, sort);
-  if (!reader) return fails(std::move(reader.error()));
-  if (!reader->altered().empty()) return fails(path + ": " + reader->altered() + "; nothing was written");
-  Tail tail;
-  ChainReader::Row noted;  // the last entry with a note, without its body
-  NoteLink before;         // the note before that one
-  for (;;) {
-    Result<std::optional<ChainReader::Row>> row = reader->next();
-    if (!row) return fails(std::move(row.error()));
-    if (!*row) break;
-    const Entry& entry = (*row)->entry;
-    const std::string place = path + ": entry " + std::to_string(entry.seq) + ": ";
-    if (entry.seq != tail.seq + 1) return fails(place + "expected entry " + std::to_string(tail.seq + 1));
-    tail.seq = entry.seq;
-    tail.head = next_head(tail.head, entry);
-    if ((*row)->head != tail.head) return fails(place + "the chain does not hold");
-    if ((*row)->note.empty()) {
-      if (entry.kind != "signature") noted.note.clear();
-      continue;
-    }
-    before = std::exchange(tail.note, {entry.seq, note_hash((*row)->note)});
-    noted = std::move(**row);
-    noted.entry.body.clear();
-  }
-  if (tail.seq == 0) return tail;
-  if (noted.note.empty()) return fails(path + ": its last entries are not signed");
-  const Result<std::string> text = signer.open(noted.note);
-  const std::string place = path + ": the note on entry " + std::to_string(noted.entry.seq) + ": ";
-  if (!text) return fails(place + text.error());
-  if (*text != note_text(origin, noted.entry.seq, noted.head, noted.entry.t_ns, before))
-    return fails(place + "it signs something else");
-  return tail;
-}
-
 }  // namespace
 
 struct ChainWriter::Impl {
@@ -153,7 +111,7 @@ struct ChainWriter::Impl {
   std::optional<SigningKey> key;  // none: commits carry no note
   Database database;
   Statement insert_entry, insert_note;
-  Tail pending, committed;
+  ChainTail pending, committed;
   std::int64_t t_ns = 0;   // of the last entry appended
   int frames = 0;          // of the log, after the last commit
   OpenFile wal_file;       // for its flock: Snapshot
@@ -336,7 +294,7 @@ Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, s
 
 Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, ChainSort sort, std::string origin,
                                                   const PublicKey& last, const WhileBusy& busy) {
-  const Result<Tail> tail = follow(path, sort, origin, last);
+  const Result<ChainTail> tail = follow_chain(path, sort, origin, last);
   if (!tail) return fails(tail.error());
   auto impl = std::make_unique<Impl>();
   impl->path = path;

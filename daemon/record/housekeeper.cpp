@@ -137,13 +137,13 @@ void Housekeeper::retain(const ClockPair& now) {
 }
 
 void Housekeeper::choose(const ClockPair& now, const std::string& doubt) {
-  auto chosen = choose_deletions(*list_->all(), options_.retention, now.utc_ns);
+  auto chosen = choose_deletions(deletable(), options_.retention, now.utc_ns);
   std::size_t old = 0;
   for (const Deletion& deletion : chosen) old += deletion.by_age ? 1 : 0;
   if (!doubt.empty() && old > 0) {
     RetentionPolicy by_size = options_.retention;
     by_size.days.reset();
-    chosen = choose_deletions(*list_->all(), by_size, now.utc_ns);
+    chosen = choose_deletions(deletable(), by_size, now.utc_ns);
   }
   deletions_.assign(chosen.begin(), chosen.end());
   if (old == 0 || std::exchange(told_doubt_, doubt) == doubt || doubt.empty()) return;
@@ -155,8 +155,36 @@ void Housekeeper::choose(const ClockPair& now, const std::string& doubt) {
 
 void Housekeeper::audit(const ClockPair& now) {
   if (!outcomes_->all_listed()) return;
+  if (!std::exchange(told_of_strangers_, true)) tell_of_strangers();
   audits_.turn(now.raw_ns, list_->all(), folder_.key());
   for (std::string& line : audits_.take_tampered()) tell_({Notice::Grade::warning, std::move(line), 0, {}});
+}
+
+bool Housekeeper::in_ledger(const ListedRun& run) const { return folder_.file_of(run.run) == run.file; }
+
+// The ledger was removed or an older one put back, or the files come from elsewhere. Without this word nobody would
+// know before the next audit with the ledger.
+void Housekeeper::tell_of_strangers() {
+  const auto runs = list_->all();
+  std::size_t strangers = 0;
+  std::string newest;
+  for (const ListedRun& run : *runs) {
+    if (run.run == 0 || in_ledger(run)) continue;  // a child file has no number
+    ++strangers;
+    newest = run.file;
+  }
+  if (strangers > 0)
+    tell_({Notice::Grade::warning,
+           "runs that the ledger does not know: " + std::to_string(strangers) + ", the last of them " + newest +
+               "; if they were recorded here, the ledger was removed or an older one put back",
+           0,
+           {}});
+}
+
+ListedRuns Housekeeper::deletable() const {
+  ListedRuns runs = *list_->all();
+  for (ListedRun& run : runs) run.kept = run.kept || !in_ledger(run);
+  return runs;
 }
 
 void Housekeeper::erase(const Deletion& deletion) {

@@ -63,6 +63,10 @@ class Housekeeper {
   void retain(const ClockPair& now);
   void choose(const ClockPair& now, const std::string& doubt);
   void audit(const ClockPair& now);
+  [[nodiscard]] bool in_ledger(const ListedRun& run) const;
+  void tell_of_strangers();
+  // The listed runs as retention may see them: it deletes none that the ledger does not know.
+  [[nodiscard]] ListedRuns deletable() const;
   void erase(const Deletion& deletion);
   void take_outcomes();
 
@@ -73,7 +77,8 @@ class Housekeeper {
   const std::shared_ptr<Outcomes> outcomes_;
   JobThread jobs_;
   RunAudits audits_;
-  std::string listed_;  // file of the current run
+  std::string listed_;              // file of the current run
+  bool told_of_strangers_ = false;  // or there were none
   std::int64_t next_anchor_ns_ = 0;
   std::optional<std::int64_t> next_retention_ns_;  // none until the first turn, which reads the directory
   std::map<std::string, Digest> anchored_;         // newest head by origin

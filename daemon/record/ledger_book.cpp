@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Thrown and caught in this file only.
-struct Wrong {
+struct Misfit {
   std::string what;
 };
 
@@ -20,26 +20,26 @@ constexpr std::size_t kMaxBytes = 1 << 20;
 
 std::string text(const Json& object, const char* name) {
   const auto found = object.find(name);
-  if (found == object.end() || !found->is_string()) throw Wrong{std::string("\"") + name + "\" is no text"};
+  if (found == object.end() || !found->is_string()) throw Misfit{std::string("\"") + name + "\" is no text"};
   return found->get<std::string>();
 }
 
 std::int64_t number(const Json& object, const char* name) {
   const auto found = object.find(name);
   if (found == object.end() || !found->is_number_unsigned() || found->get<std::uint64_t>() > INT64_MAX)
-    throw Wrong{std::string("\"") + name + "\" is no whole number"};
+    throw Misfit{std::string("\"") + name + "\" is no whole number"};
   return found->get<std::int64_t>();
 }
 
 std::string head_of(const Json& object) {
   std::string head = text(object, "head");
-  if (!head.empty() && !from_hex(head)) throw Wrong{"\"head\" is not 64 hexadecimal digits"};
+  if (!head.empty() && !from_hex(head)) throw Misfit{"\"head\" is not 64 hexadecimal digits"};
   return head;
 }
 
 PublicKey key_of(const Json& object) {
   Result<PublicKey> key = PublicKey::parse(text(object, "vkey"));
-  if (!key) throw Wrong{"\"vkey\": " + key.error()};
+  if (!key) throw Misfit{"\"vkey\": " + key.error()};
   return std::move(*key);
 }
 
@@ -68,14 +68,14 @@ struct LedgerBook::Taker {
   LedgerRun& known() const {
     const std::int64_t run = number(body, "run");
     const auto found = book.runs_.find(run);
-    if (found == book.runs_.end()) throw Wrong{"run " + std::to_string(run) + " has not begun"};
+    if (found == book.runs_.end()) throw Misfit{"run " + std::to_string(run) + " has not begun"};
     return found->second;
   }
 
   void opens() const {
-    if (!book.empty()) throw Wrong{"the ledger is opened a second time"};
+    if (!book.empty()) throw Misfit{"the ledger is opened a second time"};
     std::string id = text(body, "id");
-    if (id.size() != 32) throw Wrong{"\"id\" is not 32 hexadecimal digits"};
+    if (id.size() != 32) throw Misfit{"\"id\" is not 32 hexadecimal digits"};
     book.keys_.push_back(key_of(body));
     book.id_ = std::move(id);
   }
@@ -97,9 +97,10 @@ struct LedgerBook::Taker {
                   .deleted = {},
                   .signatures = {}};
     const std::string name = "run " + std::to_string(run.run);
-    if (run.run != book.next_run()) throw Wrong{name + " begins, expected run " + std::to_string(book.next_run())};
-    if (book.running_ != 0) throw Wrong{name + " begins before run " + std::to_string(book.running_) + " has ended"};
-    if (run.previous_head != book.newest_head_) throw Wrong{name + " does not follow the final head of the run before"};
+    if (run.run != book.next_run()) throw Misfit{name + " begins, expected run " + std::to_string(book.next_run())};
+    if (book.running_ != 0) throw Misfit{name + " begins before run " + std::to_string(book.running_) + " has ended"};
+    if (run.previous_head != book.newest_head_)
+      throw Misfit{name + " does not follow the final head of the run before"};
     book.running_ = run.run;
     book.runs_.emplace(run.run, std::move(run));
   }
@@ -107,9 +108,9 @@ struct LedgerBook::Taker {
   void ends() const {
     LedgerRun& run = known();
     LedgerRun::End end{head_of(body), number(body, "seq"), text(body, "state"), text(body, "utc")};
-    if (run.run != book.running_) throw Wrong{"run " + std::to_string(run.run) + " ends a second time"};
-    if (end.state != "closed" && end.state != "cut off") throw Wrong{"\"state\" is \"" + end.state + "\""};
-    if (end.head.empty() != (end.seq == 0)) throw Wrong{"\"head\" and \"seq\" do not fit"};
+    if (run.run != book.running_) throw Misfit{"run " + std::to_string(run.run) + " ends a second time"};
+    if (end.state != "closed" && end.state != "cut off") throw Misfit{"\"state\" is \"" + end.state + "\""};
+    if (end.head.empty() != (end.seq == 0)) throw Misfit{"\"head\" and \"seq\" do not fit"};
     if (!end.head.empty()) book.newest_head_ = end.head;
     book.running_ = 0;
     run.end = std::move(end);
@@ -118,28 +119,28 @@ struct LedgerBook::Taker {
   void deleted() const {
     LedgerRun& run = known();
     LedgerRun::Deleted deleted{text(body, "why"), text(body, "utc")};
-    if (!run.end) throw Wrong{"run " + std::to_string(run.run) + " is deleted before it has ended"};
-    if (run.deleted) throw Wrong{"run " + std::to_string(run.run) + " is deleted a second time"};
-    if (head_of(body) != run.end->head) throw Wrong{"\"head\" is not that of run " + std::to_string(run.run)};
+    if (!run.end) throw Misfit{"run " + std::to_string(run.run) + " is deleted before it has ended"};
+    if (run.deleted) throw Misfit{"run " + std::to_string(run.run) + " is deleted a second time"};
+    if (head_of(body) != run.end->head) throw Misfit{"\"head\" is not that of run " + std::to_string(run.run)};
     run.deleted = std::move(deleted);
   }
 
   void is_signed() const {
     LedgerRun& run = known();
     const auto found = body.find("signature");
-    if (found == body.end() || !found->is_object()) throw Wrong{"\"signature\" is no object"};
+    if (found == body.end() || !found->is_object()) throw Misfit{"\"signature\" is no object"};
     Result<PersonalSignature> signature = parse_personal_signature(written(*found));
-    if (!signature) throw Wrong{signature.error()};
+    if (!signature) throw Misfit{signature.error()};
     run.signatures.push_back(std::move(*signature));
   }
 };
 
 Result<void> LedgerBook::take(const Entry& entry) {
   try {
-    if (entry.body.size() > kMaxBytes) throw Wrong{"it holds more than " + std::to_string(kMaxBytes) + " bytes"};
+    if (entry.body.size() > kMaxBytes) throw Misfit{"it holds more than " + std::to_string(kMaxBytes) + " bytes"};
     const Json body = Json::parse(entry.body);
-    if (!body.is_object()) throw Wrong{"it is no JSON object"};
-    if (empty() && entry.kind != "ledger") throw Wrong{"the ledger begins with a \"" + entry.kind + "\" entry"};
+    if (!body.is_object()) throw Misfit{"it is no JSON object"};
+    if (empty() && entry.kind != "ledger") throw Misfit{"the ledger begins with a \"" + entry.kind + "\" entry"};
     const bool just_changed = std::exchange(key_just_changed_, false);
     const Taker taker{*this, body};
     try {
@@ -154,7 +155,7 @@ Result<void> LedgerBook::take(const Entry& entry) {
       throw;
     }
     return {};
-  } catch (const Wrong& wrong) {
+  } catch (const Misfit& wrong) {
     return tl::unexpected("\"" + entry.kind + "\" entry: " + wrong.what);
   } catch (const Json::exception&) {
     return tl::unexpected("\"" + entry.kind + "\" entry: it is not JSON");

@@ -38,6 +38,11 @@ std::string file_of_run(const std::string& directory, std::int64_t run) {
   return {};
 }
 
+bool is_there(const std::string& directory, const std::string& name) {
+  std::error_code failed;
+  return std::filesystem::exists(directory + "/" + name, failed);
+}
+
 // Whether different files stand at the two names.
 bool are_two_files(const std::string& a, const std::string& b) {
   struct stat one {
@@ -65,7 +70,7 @@ Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory
   if (!book) return tl::unexpected(book.error());
   std::vector<std::int64_t> runs;
   for (const auto& [number, run] : book->runs())
-    if (run.end && run.end->seq == 0 && !run.deleted && file_of_run(directory, number).empty()) runs.push_back(number);
+    if (run.end && run.end->seq == 0 && !run.deleted && !is_there(directory, run.file)) runs.push_back(number);
   return runs;
 }
 
@@ -128,8 +133,8 @@ struct RunFolder::Impl {
     if (ledger.running() == 0) return {};
     Found found;
     found.run.run = ledger.running();
-    found.run.file = file_of_run(options.directory, found.run.run);
-    if (!found.run.file.empty()) {
+    if (std::string known = ledger.file_of(found.run.run); is_there(options.directory, known)) {
+      found.run.file = std::move(known);
       if (auto seen = look_into(options.directory, found.run)) found = std::move(*seen);
     }
     Result<void> told = ledger.run_ends({found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff});
@@ -373,6 +378,8 @@ std::vector<Anchor> RunFolder::heads() const {
   if (impl_->signs) heads.push_back(impl_->signs->ledger.head());
   return heads;
 }
+
+std::string RunFolder::file_of(std::int64_t run) const { return impl_->signs->ledger.file_of(run); }
 
 Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {
   if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));

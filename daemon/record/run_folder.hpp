@@ -81,6 +81,8 @@ class RunFolder final : public RunStore {
   // The heads to anchor: that of the ledger, and that of the newest run since open(), as of its last commit, also after
   // its end. The caller fills in the instant.
   [[nodiscard]] std::vector<Anchor> heads() const;
+  // The name of a run's file as the ledger has it; empty: the ledger does not know this run. The folder must be open.
+  [[nodiscard]] std::string file_of(std::int64_t run) const;
   // Adds a person's signature under a closed run to the ledger.
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
   // Enters the deletion into the ledger. Only then may the run's file be deleted.

@@ -38,12 +38,13 @@ struct HousekeeperTest : testing::Test {
   }
 
   // A run that begins and ends at midnight. follows: another one begins at once.
-  RunHeader record_run(bool follows) {
+  RunHeader record_run(bool follows) { return record_run_in(folder, follows); }
+  static RunHeader record_run_in(RunFolder& to, bool follows) {
     RunHeader header = rig_header();
     header.start_utc = iso_utc(kMidnight_utc_ns);
-    EXPECT_TRUE(folder.begin(header, 0, {}));
+    EXPECT_TRUE(to.begin(header, 0, {}));
     const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
-    EXPECT_TRUE(folder.end(last, follows));
+    EXPECT_TRUE(to.end(last, follows));
     return header;
   }
   // Whether the anchor of the run's last entry has arrived.
@@ -96,6 +97,37 @@ TEST_F(HousekeeperTest, TheAnchorOfARunThatEndedIsSentAgainAlthoughOthersHaveFol
   std::filesystem::create_directory(scratch.path("share"));
   turn_until(60.0, [&] { return keeper->anchor_trouble().empty(); });
   for (const RunHeader& run : runs) EXPECT_TRUE(sent(run)) << run.id;
+}
+
+// Somebody removed the ledger while the service was down. The one that begins anew counts from 1 again: a deletion
+// would be entered for another run of the same number.
+TEST_F(HousekeeperTest, RunsThatTheLedgerDoesNotKnowAreNamedAndNeverDeleted) {
+  {
+    RunFolder before(folder_options(scratch.path("")));
+    ASSERT_TRUE(before.open());
+    record_run_in(before, true);
+    record_run_in(before, false);
+    before.settle();
+  }
+  for (const char* part : {"", "-wal", "-shm"})
+    std::filesystem::remove(scratch.path("ledger.dwell-ledger" + std::string(part)));
+  ASSERT_TRUE(folder.open());
+  RunHeader next = rig_header();
+  next.start_utc = iso_utc(kMidnight_utc_ns + 60'000'000'000);
+  ASSERT_TRUE(folder.begin(next, 0, {}));
+  ASSERT_TRUE(folder.end(std::vector<NewEntry>{{"end", 0, to_json(RunEnd{"operator", 0, 0, next.start_utc})}}, false));
+  folder.settle();
+
+  HousekeepingOptions options{folder_options(scratch.path("")).directory, {400.0, {}}, {}};
+  options.clock_synchronized = [] { return true; };
+  const auto list = std::make_shared<RunList>();
+  keeper = std::make_unique<Housekeeper>(options, folder, list, notices.tell());
+  turn_until(
+      0.0, [&] { return notices.hold(" deleted, "); }, 401.0);
+  EXPECT_TRUE(notices.hold("runs that the ledger does not know: 2, the last of them ")) << notices.text();
+  ASSERT_EQ(list->all()->size(), 2U) << "more than the ledger's own run is deleted";
+  EXPECT_EQ(list->all()->front().run, 1);
+  EXPECT_EQ(list->all()->back().run, 2);
 }
 
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.
