@@ -82,20 +82,28 @@ void VerificationWatch::follow(const Dwell& now, std::uint64_t position) {
     record_.roll();
   }
   const double length_s = now.end_s - now.settled_s;
-  if (now.elements.empty() || waiting_ || !(length_s >= kVerifyGrowth * now_.verified_s)) return;
+  const bool waits = std::any_of(waiting_.begin(), waiting_.end(),
+                                 [this](const VerificationJob& job) { return job.evidence == now_.evidence; });
+  if (now.elements.empty() || waits || !(length_s >= kVerifyGrowth * now_.verified_s)) return;
   now_.verified_s = length_s;
-  waiting_ = job_of(now_, now, position, false);
+  wait(job_of(now_, now, position, false));
+}
+
+// In place of a waiting job of the same dwell: this one has more data.
+void VerificationWatch::wait(VerificationJob job) {
+  std::erase_if(waiting_, [&job](const VerificationJob& other) { return other.evidence == job.evidence; });
+  if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+  waiting_.push_back(std::move(job));
 }
 
 void VerificationWatch::ended(const Dwell& dwell, std::uint64_t position) {
   const Hold& of = dwell.index == now_.dwell ? now_ : before_;
-  if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s))
-    waiting_ = job_of(of, dwell, position, true);  // replaces a waiting job: it has more data
+  if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s)) wait(job_of(of, dwell, position, true));
 }
 
 VerificationJob VerificationWatch::hand_over() {
-  VerificationJob job = std::move(*waiting_);
-  waiting_.reset();
+  VerificationJob job = std::move(waiting_.front());
+  waiting_.pop_front();
   if (job.evidence == explained_) job.causes = causes_;
   out_ = true;
   return job;

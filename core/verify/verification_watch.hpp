@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -59,14 +60,18 @@ class VerificationWatch {
   // The readings that have come since the last call. origin_ns: of the run's axis, on the history's. Real-time safe;
   // O(new readings).
   void take(const SampleHistory& history, std::int64_t origin_ns) noexcept;
-  // The dwell as it stood after the record `position`. A few times a second; where it settles, copies the evidence: a
+  // The dwell as it stood after the record `position`. At least once a second; where it settles, copies the evidence: a
   // millisecond at most.
   void follow(const Dwell& now, std::uint64_t position = 0);
   // A dwell has ended with the record `position`.
   void ended(const Dwell& dwell, std::uint64_t position = 0);
 
+  // So many jobs wait at most, each of another dwell, with evidence of up to 1.5 MB. The oldest of more is dropped:
+  // that dwell keeps the verdict that it has.
+  static constexpr std::size_t kMostWaiting = 4;
+
   // Whether a job is to be done now; at most one is out at a time.
-  [[nodiscard]] bool due() const noexcept { return !out_ && waiting_.has_value(); }
+  [[nodiscard]] bool due() const noexcept { return !out_ && !waiting_.empty(); }
   // Only if due().
   [[nodiscard]] VerificationJob hand_over();
   void take_back(VerificationJob job);
@@ -84,6 +89,7 @@ class VerificationWatch {
     double verified_s = 0.0;  // length of the data that were verified last
   };
 
+  void wait(VerificationJob job);
   [[nodiscard]] static VerificationJob job_of(const Hold& hold, const Dwell& dwell, std::uint64_t position, bool ended);
 
   double period_s_;  // of the nominal drive
@@ -91,7 +97,7 @@ class VerificationWatch {
   std::uint64_t next_ = 0;  // number in the history
   std::uint64_t last_ = 0;  // number of the newest reading in record_, from 1 on
   Hold now_, before_;       // before_: the dwell before, while its end is not reported
-  std::optional<VerificationJob> waiting_;
+  std::deque<VerificationJob> waiting_;
   bool out_ = false;                      // a job is
   Evidence explained_;                    // for which causes were looked for last …
   std::shared_ptr<const Causes> causes_;  // … and what was found

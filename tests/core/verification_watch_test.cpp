@@ -93,6 +93,32 @@ TEST(VerificationWatch, KeepsTheEvidenceOfADwellThatEndsWhileTheNextSettles) {
   EXPECT_EQ(watched.watch.hand_over().evidence, evidence);
 }
 
+// A long search for causes was out while two dwells ended: the first kept an earlier verdict for ever.
+TEST(VerificationWatch, TheLastJobOfADwellWaitsBesideThatOfTheNext) {
+  WatchedBench watched;
+  watched.gives_back = false;
+  watched.bench->run(20.0);
+  ASSERT_EQ(watched.jobs.size(), 1u) << "it is out from here on";
+  Dwell first = watched.bench->pipeline.current();
+  Dwell second = first;
+  second.index = 2;
+  second.start_s = 21.0;
+  second.settled_s = 22.0;
+  second.end_s = 30.0;
+  watched.watch.follow(second);
+  first.state = second.state = State::complete;
+  watched.watch.ended(first);
+  watched.watch.ended(second);
+  watched.watch.take_back(watched.jobs[0]);
+  for (const int dwell : {1, 2}) {
+    ASSERT_TRUE(watched.watch.due());
+    VerificationJob job = watched.watch.hand_over();
+    EXPECT_EQ(job.result.dwell.index, dwell);
+    watched.watch.take_back(std::move(job));
+  }
+  EXPECT_FALSE(watched.watch.due());
+}
+
 TEST(VerificationWatch, LooksForCausesOnceForTheSameEvidence) {
   WatchedBench watched(2e-3, 1.1);
   watched.gives_back = false;
@@ -114,7 +140,7 @@ TEST(VerificationWatch, LooksForCausesOnceForTheSameEvidence) {
   EXPECT_EQ(next.result.verification.missing.size(), missing.size());
 }
 
-TEST(VerificationWatch, HasOneJobOutAndOneWaitingAtMost) {
+TEST(VerificationWatch, HasOneJobOutAndOneOfADwellWaitingAtMost) {
   WatchedBench watched;
   watched.gives_back = false;
   watched.bench->run(30.0);
