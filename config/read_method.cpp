@@ -114,7 +114,7 @@ void read_method(Section& root, Draft& draft) {
     draft.estimation.emplace(*table, "[estimation]", draft.mistakes);
     Section& section = *draft.estimation;
     section.real("memory", rig.memory_s, {"a number above 0, at most 604800 (s)", 0.0, 604800.0, true});
-    section.real("update", rig.update_s, {"a number from 0.01 to 3600 (s)", 0.01, 3600.0});
+    section.real("update", rig.update_s, {"a number from 0.01 to 1 (s)", 0.01, 1.0});
     section.refuse_rest();
   }
   if (const toml::table* table = root.table("verification", "a table [verification]")) {

@@ -7,8 +7,8 @@ namespace dwell {
 // missing ones are. Halved: a busy network makes numbers flicker grey. Doubled: an operator looks at dead numbers for
 // five seconds.
 inline constexpr double kOldAfter_s = 2.5;
-// … or for so many of the times that usually lie between two renewals, where these are further apart: the rig file's
-// update may be as long as an hour.
+// … or for so many of the times that usually lie between two renewals, where these are further apart: a rig may be read
+// once in some seconds.
 inline constexpr double kOldAfterUpdates = 2.5;
 
 }  // namespace dwell

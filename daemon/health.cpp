@@ -161,8 +161,8 @@ double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept {
   return std::max(0.0, static_cast<double>(now_ns - snapshot.t_ns) * 1e-9);
 }
 
-bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept {
-  return estimate_age_s(snapshot, now_ns) > std::max(kOldAfter_s, kOldAfterUpdates * rig.update_s);
+bool is_overdue(const Snapshot& snapshot, std::int64_t now_ns) noexcept {
+  return estimate_age_s(snapshot, now_ns) > kOldAfter_s;
 }
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns, const gpio::Status& lines,
@@ -181,7 +181,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   const Dwell& dwell = snapshot.dwell;
   if (dwell.state == State::fault && !has_ended(snapshot))
     add(TroubleKind::dwell, "dwell", words("the data do not suffice", dwell.settling_reason));
-  const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
+  const bool stale = !trouble.empty() || is_overdue(snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
   if (!stale && dwell.state == State::settling) add_gated(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))

@@ -60,8 +60,8 @@ struct Health {
 
 // Time since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.
 [[nodiscard]] double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
-// Whether the estimate is old: by kOldAfter_s, or by kOldAfterUpdates of the rig's `update` if that is longer.
-[[nodiscard]] bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept;
+// Whether the estimate is old: kOldAfter_s, more than twice the longest `update` of a rig file.
+[[nodiscard]] bool is_overdue(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 
 // trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should be.
 // clock_synchronized: the computer's clock is. utc_ns: its time, ns since 1970, UTC; 0: not known. Pure.

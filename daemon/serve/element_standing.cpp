@@ -21,7 +21,7 @@ const char* to_string(Standing standing) noexcept {
 }
 
 bool is_stale(const ServiceView& now) noexcept {
-  return now.health.status == Health::Status::fault || is_overdue(now.rig, now.snapshot, now.now_ns);
+  return now.health.status == Health::Status::fault || is_overdue(now.snapshot, now.now_ns);
 }
 
 Standing standing_of(const ServiceView& now, int k) noexcept {
