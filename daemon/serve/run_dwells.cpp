@@ -202,14 +202,12 @@ Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
   return HttpReply{200, to_json(*view)};
 }
 
-// Why the run's file is not read; empty: it is.
-std::string why_not(const ServiceView& now, std::string_view file) {
-  if (!now.recording.state) return "this service does not record";
+// nullptr: no run of this name is listed.
+const record::ListedRun* listed_run(const ServiceView& now, std::string_view file) {
   static const record::ListedRuns kNone;
   const record::ListedRuns& all = now.recording.runs ? *now.recording.runs : kNone;
   const auto run = std::find_if(all.begin(), all.end(), [&](const auto& listed) { return listed.file == file; });
-  if (run == all.end()) return "there is no run of this name: expected a FILE that /api/v1/runs lists";
-  return no_dwells(now, *run);
+  return run == all.end() ? nullptr : &*run;
 }
 
 }  // namespace
@@ -267,7 +265,11 @@ HttpReply RunDwells::answer(const ServiceView& now, std::string_view path, std::
   const auto page = page_of(query, kDwellsPerAnswer, {"INDEX"});
   if (!page) return http_error(400, page.error());
   if (const auto fault = query_fault(query, {}); index && fault) return http_error(400, *fault);
-  if (const std::string why = why_not(now, file); !why.empty()) return http_error(409, why);
+  if (!now.recording.state) return http_error(409, "this service does not record");
+  const record::ListedRun* const listed = listed_run(now, file);
+  if (listed == nullptr)
+    return http_error(404, "there is no run of this name: expected a FILE that /api/v1/runs lists");
+  if (const std::string why = no_dwells(now, *listed); !why.empty()) return http_error(409, why);
   HttpReply reply;
   reply.later = [reading = reading_, file, page = *page, index, in = now.recording.state->directory + "/" + file] {
     return reading->answer(in, file, [&](const StoredRun& run) -> Result<HttpReply> {

@@ -199,8 +199,8 @@ TEST_F(RunDwellsTest, AnObjectionThatCannotBeReadIsTheReason) {
 
 TEST_F(RunDwellsTest, WhatIsNoRunOfTheListIsNotOpened) {
   write(run, key);
-  expect_error(409, "other-1-20260701T101200Z.dwell/dwells", "no run of this name");
-  expect_error(409, "..%2f..%2fetc%2fpasswd/dwells", "no run of this name");
+  expect_error(404, "other-1-20260701T101200Z.dwell/dwells", "no run of this name");
+  expect_error(404, "..%2f..%2fetc%2fpasswd/dwells", "no run of this name");
   expect_error(404, std::string(kFile) + "/else", "expected ");
   expect_error(404, at + "/x", "expected ");
   expect_error(404, at + "/4", "no dwell of this run with the index 4");
