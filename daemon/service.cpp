@@ -348,6 +348,8 @@ void Service::run() {
   self.plc.reset();
   self.session->end();
   self.tell_events();
+  // First: a file that is being signed may be large, and systemd waits 15 s.
+  if (record::Recorder* const recorder = self.session->recorder()) recorder->finish();
   self.signer.reset();
   self.session.reset();
   self.log.info("stopped");

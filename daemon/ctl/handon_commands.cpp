@@ -155,7 +155,7 @@ int export_run(const ExportRunOptions& options) {
     from.head = audit->head;
     from.audit = handon::audit_line(*audit);
     if (audit->state == record::AuditState::tampered) {
-      tell_error(options.file + ": " + from.audit + "; nothing was exported. --unchecked exports what can be read");
+      tell_error(options.file + ": " + from.audit + "; nothing was exported. --unchecked exports it without an audit");
       return kNo;
     }
   }

@@ -53,13 +53,15 @@ record::Result<void> may_have_name(const std::string& path) {
   return {};
 }
 
-// Without `overwrite`, a file that has appeared meanwhile stays. Not every file system can do that in one step.
+// Without `overwrite`, a file that has appeared meanwhile stays. Not every file system can do that in one step; the
+// file then has both names for a moment.
 bool give_name(const std::string& from, const std::string& to, bool overwrite) {
   if (!overwrite) {
     if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
     if (errno != EINVAL && errno != ENOSYS) return false;
   }
-  return std::rename(from.c_str(), to.c_str()) == 0;
+  if (overwrite) return std::rename(from.c_str(), to.c_str()) == 0;
+  return ::link(from.c_str(), to.c_str()) == 0 && ::unlink(from.c_str()) == 0;
 }
 
 }  // namespace

@@ -10,8 +10,11 @@
 
 namespace dwell::record {
 
+// Time between two anchors if the rig file states none.
+inline constexpr double kAnchorMinutes = 10.0;
+
 struct AnchorTarget {
-  double minutes = 0.0;              // between two anchors; 0: Housekeeper::kAnchorMinutes
+  double minutes = 0.0;              // between two anchors; 0: kAnchorMinutes
   std::string file;                  // lines are added to it; empty: no file
   std::vector<std::string> command;  // program and arguments; empty: none. No shell sees them
 };

@@ -31,7 +31,7 @@ struct AuditedSignature {
 struct Audit {
   std::string file;
   AuditState state = AuditState::tampered;
-  std::optional<double> until_s;  // of an open file: valid up to here, on the run's own axis
+  std::optional<double> until_s;  // of an open file: it is valid so far, s since the `t_ns` of the `run` entry
   std::string until_utc;
   std::string where;     // of a tampered file: the place and what was found there
   std::int64_t run = 0;  // the ledger's number; 0: not known

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -7,6 +9,7 @@
 #include "daemon/record/audit.hpp"
 #include "daemon/record/chain_audit.hpp"
 #include "daemon/record/ledger_check.hpp"
+#include "daemon/record/snapshot.hpp"
 
 namespace dwell::record {
 namespace {
@@ -21,8 +24,9 @@ std::string missing(const LedgerRun& run, const std::string& directory) {
   const std::filesystem::path path = std::filesystem::path(directory) / std::filesystem::path(run.file).filename();
   std::error_code code;
   if (run.file.empty() || !std::filesystem::is_regular_file(path, code)) return name_of(run) + " is not there";
-  Result<ChainReader> reader = ChainReader::open(path.string(), ChainSort::run);
-  const auto first = reader ? reader->next() : tl::unexpected(reader.error());
+  const auto first = read_until_whole([&]() -> Result<std::optional<ChainReader::Row>> {
+    return ChainReader::open(path.string(), ChainSort::run).and_then([](ChainReader reader) { return reader.next(); });
+  });
   if (!first) return name_of(run) + ": that file cannot be read: " + first.error();
   if (!*first) return run.end && !run.end->head.empty() ? name_of(run) + ": that file holds no entry" : std::string();
   const Result<RunHeader> header = parse_run_header((*first)->entry.body);
@@ -30,14 +34,21 @@ std::string missing(const LedgerRun& run, const std::string& directory) {
   return header->id == run.id ? std::string() : name_of(run) + ": that file holds another run";
 }
 
-// Runs that an anchor knows and the ledger does not: file and ledger entry were removed.
+// Runs that an anchor knows and the ledger does not: file and ledger entry were removed. And runs that have entries by
+// an anchor, and none by the ledger: the file was removed before the service could enter its end.
 std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Anchor>& anchors) {
   static constexpr std::string_view kFront = "dwell/run/";
-  std::set<std::string> known, others;
-  for (const auto& [number, run] : book.runs()) known.insert(run.id);
-  for (const Anchor& anchor : anchors)
-    if (anchor.origin.rfind(kFront, 0) == 0 && !known.contains(anchor.origin.substr(kFront.size())))
+  std::map<std::string, const LedgerRun*> known;
+  for (const auto& [number, run] : book.runs()) known.emplace(run.id, &run);
+  std::set<std::string> others;
+  for (const Anchor& anchor : anchors) {
+    if (anchor.origin.rfind(kFront, 0) != 0) continue;
+    const auto run = known.find(anchor.origin.substr(kFront.size()));
+    if (run == known.end())
       others.insert("run " + anchor.origin.substr(kFront.size()) + ", which only the anchors know");
+    else if (run->second->end && run->second->end->seq == 0)
+      others.insert(name_of(*run->second) + " has no entry by the ledger; the anchors know one");
+  }
   return {others.begin(), others.end()};
 }
 

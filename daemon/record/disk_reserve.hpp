@@ -1,5 +1,5 @@
-// Reserves room on the disk, with a file of that size in the recording directory. When the disk is full, the room is
-// released, so that the last entries of a run can still be written.
+// Reserves room on the disk, with a file of that size in the recording directory. The room is released while a run
+// ends, so that its last entries fit on a full disk.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 
 namespace dwell::record {
 
-// Zeros: there is no file.
+// Zeros: neither file is there.
 using FileIdentity = std::array<std::int64_t, 6>;
 
 // Two system calls. Thread-safe.

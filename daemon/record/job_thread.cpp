@@ -11,9 +11,9 @@ namespace dwell::record {
 
 struct JobThread::Shared {
   std::mutex mutex;
-  std::condition_variable wake, ended;
+  std::condition_variable wake, idle, ended;
   std::deque<std::function<void(const Stopping&)>> jobs;
-  bool stop = false, done = false;
+  bool stop = false, busy = false, done = false;
 };
 
 JobThread::JobThread(std::string name)
@@ -42,6 +42,11 @@ bool JobThread::post(std::function<void(const Stopping&)> job) {
   return true;
 }
 
+bool JobThread::settle(std::chrono::milliseconds limit) const {
+  std::unique_lock lock(shared_->mutex);
+  return shared_->idle.wait_for(lock, limit, [this] { return shared_->jobs.empty() && !shared_->busy; });
+}
+
 bool JobThread::full() const {
   const std::lock_guard lock(shared_->mutex);
   return shared_->jobs.size() == kJobs;
@@ -59,9 +64,12 @@ void JobThread::run(const std::shared_ptr<Shared>& shared, const std::string& na
     if (shared->stop) break;
     const auto job = std::move(shared->jobs.front());
     shared->jobs.pop_front();
+    shared->busy = true;
     lock.unlock();
     job(stopping);
     lock.lock();
+    shared->busy = false;
+    if (shared->jobs.empty()) shared->idle.notify_all();
   }
   shared->done = true;
   shared->ended.notify_all();

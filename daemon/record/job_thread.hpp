@@ -28,6 +28,8 @@ class JobThread {
   using Stopping = std::function<bool()>;
   // false: too many wait. A job must not throw. Thread-safe.
   bool post(std::function<void(const Stopping&)> job);
+  // Waits until all posted jobs are done, so long at most. false: they are not. Thread-safe.
+  bool settle(std::chrono::milliseconds limit) const;
   // Whether post() would refuse a job. Where one thread alone posts, its next post() succeeds after false. Thread-safe.
   [[nodiscard]] bool full() const;
 

@@ -110,6 +110,11 @@ std::string Ledger::file_of(std::int64_t run) const {
   return known == impl_->book.runs().end() ? std::string() : known->second.file;
 }
 
+bool Ledger::is_deleted(std::int64_t run) const {
+  const auto known = impl_->book.runs().find(run);
+  return known != impl_->book.runs().end() && known->second.deleted;
+}
+
 Result<void> Ledger::begin_log() { return impl_->file->begin_log(); }
 Result<void> Ledger::merge_log() {
   const std::lock_guard lock(impl_->writing);
@@ -138,9 +143,13 @@ Result<void> Ledger::run_follows(const Ending& ended, const RunHeader& header, c
                     now_ns);
 }
 
-Result<void> Ledger::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {
+Result<void> Ledger::run_deleted(std::int64_t run, const std::string& why) {
   const std::int64_t now_ns = utc_now_ns();
-  return impl_->add("deleted", ledger_deleted(run, head, why, iso_utc(now_ns)), now_ns);
+  const auto known = impl_->book.runs().find(run);
+  // The head at the run's end, whatever was signed afterwards.
+  const bool has_head = known != impl_->book.runs().end() && known->second.end;
+  return impl_->add("deleted", ledger_deleted(run, has_head ? known->second.end->head : "", why, iso_utc(now_ns)),
+                    now_ns);
 }
 
 Result<void> Ledger::run_signed(std::int64_t run, const PersonalSignature& signature) {

@@ -27,6 +27,8 @@ class Ledger {
   [[nodiscard]] const std::string& newest_head() const noexcept;
   // The name of a run's file; empty: the ledger does not know this run.
   [[nodiscard]] std::string file_of(std::int64_t run) const;
+  // Whether the run is entered as deleted.
+  [[nodiscard]] bool is_deleted(std::int64_t run) const;
   // A run that has begun and not ended: after a crash, the one that was cut off. 0: none.
   [[nodiscard]] std::int64_t running() const noexcept;
   // The head of the last entry, to be anchored with the heads of the runs; its utc is empty.
@@ -50,7 +52,7 @@ class Ledger {
   // A run ends and the next one begins, entered with one wait for the disk. `header` holds the head of the run that
   // ends.
   [[nodiscard]] Result<void> run_follows(const Ending& ended, const RunHeader& header, const std::string& file);
-  [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
+  [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& why);
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
   // Adds a change of keys, signed by the old key. Afterwards this object takes nothing more: open the ledger with the
   // new key.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/snapshot.hpp"
 
 namespace dwell::record {
 namespace {
@@ -163,11 +164,7 @@ Result<void> LedgerBook::take(const Entry& entry) {
 }
 
 Result<LedgerBook> read_book(const std::string& path) {
-  constexpr int kTries = 5;
-  for (int tries = 1;; ++tries) {
-    Result<LedgerBook> book = read_once(path);
-    if (book || book.error().cause() != Cause::read_again || tries == kTries) return book;
-  }
+  return read_until_whole([&] { return read_once(path); });
 }
 
 std::string ledger_opens(const std::string& id, const PublicKey& key, const std::string& utc) {

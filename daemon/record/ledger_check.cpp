@@ -85,7 +85,8 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     CheckedLedger ledger;
     Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true);
     const Result<void> sound = chain ? walk(*chain, ledger, anchors->all) : tl::unexpected(chain.error());
-    if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
+    const bool whole = chain ? chain->unchanged() : chain.error().cause() != Cause::read_again;
+    if (!whole && tries < kAuditTries) continue;
     if (!sound && sound.error().cause() == Cause::newer)
       return fails({path + ": cannot be audited: " + sound.error(), Cause::newer});
     if (!sound) ledger.broken = sound.error();

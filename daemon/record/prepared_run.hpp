@@ -17,13 +17,14 @@ namespace dwell::record {
 class PreparedRun {
  public:
   explicit PreparedRun(std::string directory) : directory_(std::move(directory)) {}
-  // Removes the file if no run has taken it.
   ~PreparedRun() { discard(); }
   PreparedRun(const PreparedRun&) = delete;
   PreparedRun& operator=(const PreparedRun&) = delete;
 
   // Makes the file of this run, unless it is there or being made.
   void make(std::int64_t run);
+  // Removes the file if no run has taken it.
+  void discard();
   // Waits until it is made.
   void wait() const {
     if (made_.valid()) made_.wait();
@@ -44,8 +45,6 @@ class PreparedRun {
   void remove(std::int64_t run) const noexcept;
 
  private:
-  void discard();
-
   const std::string directory_;
   std::int64_t run_ = 0;  // 0: none
   std::future<Result<ChainWriter>> made_;

@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/readiness.hpp"
 #include "daemon/record/record_ring.hpp"
 
 namespace dwell::record {
@@ -20,6 +21,8 @@ namespace {
 
 // Between two turns. Doubled, the buffer fills more, and a power failure loses more. Halved, there are more wake-ups.
 constexpr std::chrono::milliseconds kTurn{20};
+// The last anchors may take so long when the service ends. systemd's patience is 15 s.
+constexpr std::chrono::seconds kLastAnchor{5};
 // If the thread has not turned for so long, it waits for the disk: an alarm.
 constexpr std::int64_t kStall_ns = 2'000'000'000;
 
@@ -78,14 +81,7 @@ struct Recorder::Impl {
                options.tell),
         log(folder, {options.header, options.dwell_json, options.model_json, options.tell, options.names}),
         thread([this] { run(); }) {}
-  ~Impl() {
-    {
-      const std::lock_guard lock(mutex);
-      stop = true;
-    }
-    wake.notify_all();
-    thread.join();
-  }
+  ~Impl() { finish(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -98,11 +94,8 @@ struct Recorder::Impl {
   RunFolder folder;
   Housekeeper keeper;
   RunLog log;
-  ListedRun recorded;         // the run that is recorded
-  std::string trouble;        // why no run can be recorded; empty: nothing known
-  bool told_trouble = false;  // the log says that none can be recorded
-  std::int64_t next_look_ns = 0;
-  bool open = false;
+  ListedRun recorded;  // the run that is recorded
+  Readiness readiness{folder, log, tell};
   // … to here.
   std::atomic<bool> restart{false};
   std::atomic<std::int64_t> turned_ns{raw_now_ns()};
@@ -112,6 +105,15 @@ struct Recorder::Impl {
   RecorderState state;
   std::vector<Entering> signatures;  // for the ledger
   std::thread thread;
+
+  void finish() {
+    {
+      const std::lock_guard lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    if (thread.joinable()) thread.join();
+  }
 
   void run() {
     pthread_setname_np(pthread_self(), "recorder");
@@ -126,13 +128,15 @@ struct Recorder::Impl {
     // So that the list and the last anchor get the end of the run.
     folder.settle();
     tell_failures();
-    if (open) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
+    if (readiness.open()) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
+    keeper.settle(kLastAnchor);
+    enter_signatures();
   }
 
   void turn(const ClockPair& now) {
     const bool recorded_before = log.progress() != nullptr;
     log.set_clock(now);
-    if (now.raw_ns >= next_look_ns) look(now);
+    if (readiness.turn(now)) restart.store(true, std::memory_order_relaxed);
     read_inbox();
     ring.drain({[this](const Record& record) {
                   if (may_bear_request(record)) read_inbox();
@@ -145,10 +149,12 @@ struct Recorder::Impl {
                     log.model(result.position, result.model);
                 },
                 [this](std::uint64_t lost) { log.gap(lost); }});
-    if (recorded_before && !log.stopped().empty()) look(now);  // is it the disk, and how much room is missing?
+    // Is it the disk, and how much room is missing?
+    if (recorded_before && !log.stopped().empty() && readiness.look(now))
+      restart.store(true, std::memory_order_relaxed);
     refresh_recorded();
     tell_failures();
-    if (open) keeper.turn(now, recorded.file.empty() ? nullptr : &recorded);
+    if (readiness.open()) keeper.turn(now, recorded.file.empty() ? nullptr : &recorded);
     enter_signatures();
     publish();
     turned_ns.store(now.raw_ns, std::memory_order_relaxed);
@@ -177,43 +183,6 @@ struct Recorder::Impl {
     }
   }
 
-  // Can runs be recorded? If so, and the current run is not being recorded, asks for a new run.
-  void look(const ClockPair& now) {
-    next_look_ns = now.raw_ns + kStall_ns;
-    if (log.progress() != nullptr) return healed();
-    const bool was_open = open;
-    const auto ready = folder.ready();
-    open = open || folder.is_open();
-    next_look_ns = now.raw_ns + (open ? kLookForRoom_ns : kRetry_ns);
-    if (open && !was_open) opened();
-    if (!ready && !std::exchange(told_trouble, true))
-      tell({Notice::Grade::error, "runs cannot be recorded: " + ready.error() + "; measuring goes on", 0, {}});
-    trouble = ready ? std::string() : std::string(ready.error());
-    if (!ready) return;
-    if (log.stopped().empty()) return healed();
-    if (now.raw_ns - log.stopped_ns() < kRetry_ns) return;
-    healed();
-    log.goes_on();
-    restart.store(true, std::memory_order_relaxed);
-  }
-
-  // Told when a run is about to begin, or nothing keeps one from it: not while a stopped run waits to go on.
-  void healed() {
-    trouble.clear();
-    if (std::exchange(told_trouble, false)) tell({Notice::Grade::info, "runs can be recorded again", 0, {}});
-  }
-
-  void opened() {
-    const auto cut_off = folder.take_cut_off();
-    if (!cut_off) return;
-    std::string text = "run " + std::to_string(cut_off->run) + " was cut off";
-    if (!cut_off->until_utc.empty()) text += " at " + cut_off->until_utc;
-    text += cut_off->file.empty() ? ", it has no file" : ", " + cut_off->file;
-    log.interrupted(text);
-    log.goes_on();
-    tell({Notice::Grade::warning, text, cut_off->run, {}});
-  }
-
   void refresh_recorded() {
     const RunProgress* progress = log.progress();
     if (progress == nullptr) {
@@ -231,22 +200,14 @@ struct Recorder::Impl {
     recorded.dwells = progress->dwells;
   }
 
-  // Why the current run is not recorded, or none can be, as of now: a run that was stopped keeps the figures of then.
-  [[nodiscard]] std::string why_not() const {
-    if (!trouble.empty()) return trouble;
-    if (told_trouble && !log.stopped().empty())
-      return "what kept runs from being recorded is mended; a new run begins within 30 s";
-    return log.stopped();
-  }
-
   void publish() {
     RecorderState fresh;
     fresh.directory = directory;
     fresh.recording = log.progress() != nullptr;
-    const std::string why = why_not();
+    const std::string why = readiness.why_not();
     if (!fresh.recording) fresh.why_not = why;
-    if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = open ? "no run goes on" : "starting";
-    if (!fresh.recording) fresh.obstacle = {why, !trouble.empty()};
+    if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = readiness.open() ? "no run goes on" : "starting";
+    if (!fresh.recording) fresh.obstacle = {why, !readiness.trouble().empty()};
     fresh.run = recorded;
     fresh.buffer_fill = ring.fill();
     fresh.buffer_records = ring.capacity();
@@ -256,7 +217,7 @@ struct Recorder::Impl {
     fresh.lost_events = inbox.lost();
     if (!log.stopped().empty())
       fresh.alarms.push_back({"recording", "the run is not recorded: " + why});
-    else if (!trouble.empty())
+    else if (!readiness.trouble().empty())
       fresh.alarms.push_back({"runs", "runs cannot be recorded: " + why});
     if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back({"anchor", "anchor: " + keeper.anchor_trouble()});
     const std::lock_guard lock(mutex);
@@ -284,10 +245,13 @@ Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& sig
   std::future<Result<void>> done = entering.done.get_future();
   {
     const std::lock_guard lock(impl_->mutex);
+    if (impl_->stop) return tl::unexpected(std::string("the service is stopping"));
     impl_->signatures.push_back(std::move(entering));
   }
   return done.get();
 }
+
+void Recorder::finish() { impl_->finish(); }
 
 bool Recorder::take_restart() noexcept { return impl_->restart.exchange(false, std::memory_order_relaxed); }
 

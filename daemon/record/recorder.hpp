@@ -60,16 +60,10 @@ class Recorder final : public StreamSink, public RequestSink {
  public:
   // Most events and requests that wait. Further ones are lost, and counted.
   static constexpr std::size_t kInbox = 256;
-  // The recorder asks for new runs no more often, since each ends a dwell. So often it also tries to open a directory
-  // that cannot be used, which may take seconds.
-  static constexpr std::int64_t kRetry_ns = 30'000'000'000;
-  // While an open directory has no room, the recorder looks so often: whoever makes room and then starts a run types
-  // longer than this. A look costs two questions to the file system.
-  static constexpr std::int64_t kLookForRoom_ns = 250'000'000;
 
   // Starts its thread. Never fails: if it cannot record, it raises an alarm and tries again.
   explicit Recorder(RecorderOptions options);
-  // Writes everything received so far and ends the run.
+  // As finish().
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -83,7 +77,12 @@ class Recorder final : public StreamSink, public RequestSink {
   // lock.
   void event(StoredEvent event);
 
+  // Writes everything received so far, ends the run, and gives the last anchors up to 5 s to arrive. Afterwards nothing
+  // is taken any more. Not thread-safe; may be called again.
+  void finish();
+
   // Adds a person's signature to the ledger. Thread-safe; waits for the recorder's thread, which waits for the disk.
+  // Fails once the recorder has been told to finish.
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
 
   // Whether the recorder wants a new run: it had to stop recording this one, and could record again. True once.

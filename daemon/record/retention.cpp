@@ -34,19 +34,22 @@ std::string AgeDoubt::at(const ClockPair& now, bool synchronized) {
 }
 
 std::vector<Deletion> choose_deletions(const ListedRuns& runs, const RetentionPolicy& policy, std::int64_t now_utc_ns) {
-  double total = 0.0;
-  for (const ListedRun& run : runs) total += static_cast<double>(run.bytes);
+  double left = 0.0;  // bytes of the runs that stay
   std::vector<Deletion> chosen;
+  std::vector<const ListedRun*> others;
   for (const ListedRun& run : runs) {
-    if (!may_go(run)) continue;
-    const bool old = policy.days && is_older(run, *policy.days, now_utc_ns);
-    const bool large = policy.gigabytes && total > *policy.gigabytes * 1e9;
-    if (!old && !large) continue;
-    total -= static_cast<double>(run.bytes);
-    chosen.push_back({run,
-                      old ? "older than " + limit_text(*policy.days) + " days"
-                          : "all runs together were larger than " + limit_text(*policy.gigabytes) + " GB",
-                      old});
+    if (policy.days && may_go(run) && is_older(run, *policy.days, now_utc_ns)) {
+      chosen.push_back({run, "older than " + limit_text(*policy.days) + " days", true});
+      continue;
+    }
+    left += static_cast<double>(run.bytes);
+    others.push_back(&run);
+  }
+  for (const ListedRun* run : others) {
+    if (!policy.gigabytes || left <= *policy.gigabytes * 1e9) break;
+    if (!may_go(*run)) continue;
+    left -= static_cast<double>(run->bytes);
+    chosen.push_back({*run, "all runs together were larger than " + limit_text(*policy.gigabytes) + " GB", false});
   }
   return chosen;
 }

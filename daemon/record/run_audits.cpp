@@ -25,8 +25,8 @@ class KnownLedger {
     if (!checked_ || now != identity_) {
       Result<CheckedLedger> checked = check_ledger(path, {});
       if (!checked) return tl::unexpected(std::move(checked.error()));
-      // A key that the ledger announces signs nothing of it until the next run begins. If it were pinned, every earlier
-      // run would look forged. So no key is pinned until then, and nothing is trusted.
+      // A new key has signed nothing until the ledger gets its next entry. If it were pinned, every earlier run would
+      // look forged. So no key is pinned until then, and nothing is trusted.
       announced_ = checked->verifies() && checked->book.keys().back() == key && !checked->knows(key);
       if (!announced_) checked->must_be_by({key});
       checked_ = std::make_shared<const CheckedLedger>(std::move(*checked));

@@ -135,7 +135,10 @@ struct RunFolder::Impl {
     found.run.run = ledger.running();
     if (std::string known = ledger.file_of(found.run.run); is_there(options.directory, known)) {
       found.run.file = std::move(known);
-      if (auto seen = look_into(options.directory, found.run)) found = std::move(*seen);
+      if (auto seen = look_into(options.directory, found.run))
+        found = std::move(*seen);
+      else
+        found.run.trouble = seen.error();
     }
     Result<void> told = ledger.run_ends({found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff});
     if (told && !found.closed) cut_off = std::move(found.run);
@@ -147,7 +150,7 @@ struct RunFolder::Impl {
     const auto runs = runs_without_file(options.directory);
     if (!runs) return tl::unexpected(runs.error());
     for (const std::int64_t number : *runs)
-      if (auto told = signs->ledger.run_deleted(number, {}, "it was cut off before it had a file"); !told) return told;
+      if (auto told = signs->ledger.run_deleted(number, "it was cut off before it had a file"); !told) return told;
     return {};
   }
 
@@ -232,9 +235,10 @@ struct RunFolder::Impl {
   void give_up(const std::string& why) {
     remove_file();
     reserve.release();
-    [[maybe_unused]] auto told = signs->ledger.run_ends({run, {}, 0, kCutOff}).and_then([&] {
-      return signs->ledger.run_deleted(run, {}, "its file could not be made: " + why);
-    });
+    const Ledger::Ending without_entry{run, {}, 0, kCutOff};
+    auto told = signs->ledger.run_ends(without_entry);
+    if (!told) ended = without_entry;  // tell_of_end() tries again; the next start enters it as deleted
+    if (told) told = signs->ledger.run_deleted(run, "its file could not be made: " + why);
     name.clear();
     [[maybe_unused]] auto held = reserve.hold();
   }
@@ -273,7 +277,10 @@ Result<void> RunFolder::open() {
     self.prepared.make(self.signs->ledger.next_run());
     told = self.signs->ledger.merge_log();
   }
-  if (!told) self.signs.reset();
+  if (!told) {
+    self.signs.reset();
+    self.prepared.discard();  // it would be taken for what a crash left
+  }
   return told;
 }
 
@@ -298,7 +305,8 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
   if (!id) return tl::unexpected(id.error());
   header.id = std::move(*id);
   header.run = self.signs->ledger.next_run();
-  header.previous_head = self.ended ? self.ended->head : self.signs->ledger.newest_head();
+  // A run without an entry has no head.
+  header.previous_head = self.ended && !self.ended->head.empty() ? self.ended->head : self.signs->ledger.newest_head();
   header.vkey = self.signs->key.public_key().vkey();
   self.run = header.run;
   self.origin = "dwell/run/" + header.id;
@@ -379,11 +387,15 @@ std::vector<Anchor> RunFolder::heads() const {
   return heads;
 }
 
-std::string RunFolder::file_of(std::int64_t run) const { return impl_->signs->ledger.file_of(run); }
+bool RunFolder::knows(std::int64_t run, const std::string& file) const {
+  return impl_->signs->ledger.file_of(run) == file;
+}
 
-Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {
+Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& why) {
   if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
-  return impl_->signs->ledger.run_deleted(run, head, why);
+  // A crash, a stop or a failure came between that entry and the removal of the file.
+  if (impl_->signs->ledger.is_deleted(run)) return {};
+  return impl_->signs->ledger.run_deleted(run, why);
 }
 
 Result<void> RunFolder::run_signed(std::int64_t run, const PersonalSignature& signature) {

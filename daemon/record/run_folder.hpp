@@ -31,6 +31,7 @@ struct CutOffRun {
   std::int64_t run = 0;
   std::string file;       // its name in the directory; empty: there is none
   std::string until_utc;  // of its last entry; empty: not known
+  std::string trouble;    // why its file cannot be read, so that the ledger has no head of it; empty: it can
 };
 
 // A run that has ended, as it is to be listed and anchored.
@@ -81,12 +82,12 @@ class RunFolder final : public RunStore {
   // The heads to anchor: that of the ledger, and that of the newest run since open(), as of its last commit, also after
   // its end. The caller fills in the instant.
   [[nodiscard]] std::vector<Anchor> heads() const;
-  // The name of a run's file as the ledger has it; empty: the ledger does not know this run. The folder must be open.
-  [[nodiscard]] std::string file_of(std::int64_t run) const;
+  // Whether the ledger has this run with this file. The folder must be open.
+  [[nodiscard]] bool knows(std::int64_t run, const std::string& file) const;
   // Adds a person's signature under a closed run to the ledger.
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
-  // Enters the deletion into the ledger. Only then may the run's file be deleted.
-  [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
+  // Enters the deletion into the ledger, unless it is there already. Only then may the run's file be deleted.
+  [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& why);
 
  private:
   struct Impl;

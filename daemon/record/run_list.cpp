@@ -8,6 +8,7 @@
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/last_entry.hpp"
 #include "daemon/record/run_reader.hpp"
+#include "daemon/record/snapshot.hpp"
 
 namespace dwell::record {
 namespace {
@@ -29,6 +30,30 @@ Result<std::uint64_t> ended_dwells(RunReader& reader) {
   return dwells;
 }
 
+// Leaves the state as it is if the file cannot be read to its end.
+Result<void> fill(ListedRun& listed, const std::string& path) {
+  auto reader = RunReader::open(path);
+  if (!reader) return tl::unexpected(reader.error());
+  const RunHeader& header = reader->header();
+  listed.run = header.run;
+  listed.label = header.label;
+  listed.begun_by = header.begun_by;
+  listed.begun_utc = header.start_utc;
+  listed.clock_synchronized = header.origin.clock_synchronized;
+  const auto dwells = ended_dwells(*reader);
+  if (!dwells) return tl::unexpected(dwells.error());
+  auto entries = ChainReader::open(path, ChainSort::run);
+  if (!entries) return tl::unexpected(entries.error());
+  const auto last = last_entry(*entries);
+  if (!last) return tl::unexpected(last.error());
+  listed.dwells = *dwells;
+  listed.state = reader->end() ? "closed" : "cut off";
+  listed.samples = reader->end() ? reader->end()->samples : 0;
+  listed.ended_utc = reader->ended_utc();
+  listed.head = hex(last->head);
+  return {};
+}
+
 bool comes_before(const ListedRun& a, const ListedRun& b) { return a.run != b.run ? a.run < b.run : a.file < b.file; }
 
 }  // namespace
@@ -43,23 +68,7 @@ ListedRun look_at_run(const std::string& directory, const std::string& name) {
   std::error_code failed;
   listed.linked = std::filesystem::is_symlink(path, failed);
   listed.kept = is_kept(directory, name);
-  auto reader = RunReader::open(path);
-  if (!reader) return listed;
-  const RunHeader& header = reader->header();
-  listed.run = header.run;
-  listed.label = header.label;
-  listed.begun_by = header.begun_by;
-  listed.begun_utc = header.start_utc;
-  listed.clock_synchronized = header.origin.clock_synchronized;
-  const auto dwells = ended_dwells(*reader);
-  if (!dwells) return listed;
-  listed.dwells = *dwells;
-  listed.state = reader->end() ? "closed" : "cut off";
-  listed.samples = reader->end() ? reader->end()->samples : 0;
-  listed.ended_utc = reader->ended_utc();
-  if (auto entries = ChainReader::open(path, ChainSort::run)) {
-    if (const auto last = last_entry(*entries)) listed.head = hex(last->head);
-  }
+  [[maybe_unused]] const auto read = read_until_whole([&] { return fill(listed, path); });
   return listed;
 }
 

@@ -30,7 +30,7 @@ struct ListedRun {
 using ListedRuns = std::vector<ListedRun>;  // oldest first
 
 // Reads the file `name` of the directory. If the file or one of its results cannot be read, it is listed as
-// "unreadable". Takes milliseconds; longer for a file that was cut off, since its results are read.
+// "unreadable". Reads all stored results, so the time goes with the run's length.
 [[nodiscard]] ListedRun look_at_run(const std::string& directory, const std::string& name);
 
 // Lists all run files of the directory but `running`, one by one; asks `stop` between them.

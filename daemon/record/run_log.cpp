@@ -128,7 +128,7 @@ StoredEvent RunLog::own_event(std::string text) const {
 void RunLog::gap(std::uint64_t lost) {
   const std::string why = "recorder fell behind";
   const std::string text = why + ": " + std::to_string(lost) + " records of the stream are lost";
-  if (run_) {
+  if (run_ && run_->ending.empty()) {
     const std::string run = named(run_->header);
     note(own_event(text));
     interruption_.keep_label_of(run_->header);
@@ -136,6 +136,7 @@ void RunLog::gap(std::uint64_t lost) {
     interrupted(run + " ended: " + text);
     stop(text);
   } else {
+    if (run_) end_now(why);
     options_.tell({Notice::Grade::error, text, 0, {}});
   }
   cutter_.clear();
@@ -270,6 +271,8 @@ void RunLog::end_now(const std::string& why, bool another) {
 
 // The reserve takes the batch that the disk refused, and the reason.
 void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
+  // The run has ended already: nothing stops.
+  if (!run_->ending.empty()) return close(std::move(batch), run_->ending);
   const std::string run = named(run_->header);
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;

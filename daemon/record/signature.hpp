@@ -1,5 +1,5 @@
 // Adds a person's signature to the end of a closed run file. Either the service vouches for the person with its note,
-// or the person signs with a key of their own. docs/run-file.md, "Signatures".
+// or the person signs with a key of their own. docs/run-file.md, "`signature` entries".
 #pragma once
 
 #include <string>

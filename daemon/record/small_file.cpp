@@ -33,6 +33,15 @@ Result<void> write_synchronized(const std::string& path, int flags, std::string_
   return {};
 }
 
+// A full disk may have cut the last line.
+bool ends_within_line(const std::string& path) {
+  const Result<OpenFile> file = open_regular(path);
+  if (!file) return false;
+  const off_t size = lseek(file->get(), 0, SEEK_END);
+  char last = '\n';
+  return size > 0 && pread(file->get(), &last, 1, size - 1) == 1 && last != '\n';
+}
+
 }  // namespace
 
 Result<std::string> read_small_file(const std::string& path, std::size_t limit) {
@@ -55,7 +64,7 @@ Result<void> replace_small_file(const std::string& path, std::string_view bytes)
 }
 
 Result<void> append_line(const std::string& path, std::string_view line) {
-  return write_synchronized(path, O_APPEND, std::string(line) + "\n");
+  return write_synchronized(path, O_APPEND, (ends_within_line(path) ? "\n" : "") + std::string(line) + "\n");
 }
 
 Result<void> rename_durably(const std::string& from, const std::string& to) {

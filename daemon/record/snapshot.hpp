@@ -21,6 +21,16 @@ namespace dwell::record {
   return {front + "written to while it was read: read it again", Cause::read_again};
 }
 
+// Calls `read` anew while it fails because a writer altered the file meanwhile; five times at most.
+template <class Read>
+[[nodiscard]] auto read_until_whole(const Read& read) {
+  constexpr int kTries = 5;
+  for (int tries = 1;; ++tries) {
+    auto result = read();
+    if (result || result.error().cause() != Cause::read_again || tries == kTries) return result;
+  }
+}
+
 // Bound to one thread.
 class Snapshot {
  public:

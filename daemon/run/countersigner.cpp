@@ -207,6 +207,10 @@ record::Result<Signed> Countersigner::sign(const SignRequest& request, const std
 record::Result<Signed> Countersigner::enter(const std::string& path) const {
   record::AuditOptions options;
   options.ledger = directory_ + "/ledger.dwell-ledger";
+  options.stop = [this] {
+    const std::lock_guard lock(mutex_);
+    return stopping_;
+  };
   auto ledger = record::check_ledger(options.ledger, options);
   if (!ledger) return fail(ledger.error());
   options.checked = std::make_shared<const record::CheckedLedger>(std::move(*ledger));

@@ -51,7 +51,8 @@ class Countersigner {
 
   // directory: that of the recordings, which holds the service's key. Starts the thread.
   Countersigner(std::string directory, Enter enter);
-  // Waits for the current file. For the waiting ones `done` is called with an error.
+  // Waits while a file is being signed; gives up reading one whose signatures are to be entered. For the waiting ones
+  // `done` is called with an error.
   ~Countersigner();
   Countersigner(const Countersigner&) = delete;
   Countersigner& operator=(const Countersigner&) = delete;
@@ -72,7 +73,7 @@ class Countersigner {
 
   const std::string directory_;
   const Enter enter_;
-  std::mutex mutex_;  // guards jobs_ and stopping_
+  mutable std::mutex mutex_;  // guards jobs_ and stopping_
   std::condition_variable job_came_;
   std::deque<Job> jobs_;
   bool stopping_ = false;

@@ -38,12 +38,16 @@ INDIRECT = {
     ],
     "daemon/record/housekeeper.cpp": [
         ("std::move(line)", "warning", "daemon/record/run_audits.cpp", " is tampered with: "),
-        ("outcome.notice", "info", "daemon/record/housekeeper.cpp", " deleted, "),
-        ("outcome.notice", "warning", "daemon/record/housekeeper.cpp", " could not be deleted"),
+    ],
+    "daemon/record/readiness.cpp": [
+        ("text, cut_off->run", "warning", "daemon/record/readiness.cpp", " was cut off"),
     ],
     "daemon/record/recorder.cpp": [
         ("failure", "error", "daemon/record/run_folder.cpp", " could not be closed: "),
-        ("text, cut_off->run", "warning", "daemon/record/recorder.cpp", " was cut off"),
+    ],
+    "daemon/record/run_deleter.cpp": [
+        ("tell_(notice)", "info", "daemon/record/run_deleter.cpp", " deleted, "),
+        ("tell_(notice)", "warning", "daemon/record/run_deleter.cpp", " could not be deleted"),
     ],
     "daemon/record/run_log.cpp": [
         ("event.text", "error", "daemon/record/run_log.cpp", " here is not recorded: it has "),
@@ -63,7 +67,7 @@ INDIRECT = {
     ],
     "daemon/service.cpp": [("config::to_string(", "error", "config/mistake.cpp", ": ")],
 }
-CALL = re.compile(r"\blog_?(?:\.|->)(?:(info|warning|error)|write)\((?!\))|\btell_?\((?=\s*\{\s*Notice::Grade::(\w+)|outcome\.notice)")
+CALL = re.compile(r"\blog_?(?:\.|->)(?:(info|warning|error)|write)\((?!\))|\btell_?\((?=\s*\{\s*Notice::Grade::(\w+)|notice)")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 
 

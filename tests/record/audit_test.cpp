@@ -293,7 +293,7 @@ TEST(Audit, ARemovedRunIsFoundAndADeletedOneIsNotTampering) {
   EXPECT_TRUE(audit->unbroken) << audit->where;
   EXPECT_TRUE(audit->missing.empty());
 
-  ASSERT_TRUE(ledger.run_deleted(1, audited(scratch.path("a.dwell")).head, "older than 90 days"));
+  ASSERT_TRUE(ledger.run_deleted(1, "older than 90 days"));
   std::filesystem::remove(scratch.path("a.dwell"));
   std::filesystem::remove(scratch.path("c.dwell"));
   std::filesystem::rename(scratch.path("d.dwell"), scratch.path("b.dwell"));
@@ -347,6 +347,25 @@ TEST(Audit, TheLedgerCutTogetherWithTheNewestRunsIsFoundOnlyByAnAnchor) {
   Anchor of_run = anchor;
   of_run.origin = "dwell/run/" + sample_header(3, sample_key()).id;
   EXPECT_EQ(audit_ledger(path, scratch.path(), with_anchors(scratch, to_line(of_run)))->missing.size(), 1u);
+}
+
+// Whoever removes the file of a run that was cut off makes the service enter that it never had one.
+TEST(Audit, ARunWithoutAnEntryByTheLedgerIsMissingWhereAnAnchorKnowsAnEntry) {
+  const Scratch scratch(true);
+  Ledger ledger = recorded(scratch, 1);
+  RunHeader header = sample_header(2, sample_key());
+  header.previous_head = ledger.newest_head();
+  ASSERT_TRUE(ledger.run_begins(header, "b.dwell"));
+  ASSERT_TRUE(ledger.run_ends({2, "", 0, "cut off"}));
+  ASSERT_TRUE(ledger.run_deleted(2, "it was cut off before it had a file"));
+  const std::string path = scratch.path("ledger.dwell-ledger");
+  EXPECT_TRUE(audit_ledger(path, scratch.path(), {})->missing.empty());
+  Anchor anchor = ledger.head();
+  anchor.utc = "2026-11-23T05:00:00.000000Z";
+  anchor.origin = "dwell/run/" + header.id;
+  const auto audit = audit_ledger(path, scratch.path(), with_anchors(scratch, to_line(anchor)));
+  ASSERT_EQ(audit->missing.size(), 1u);
+  EXPECT_TRUE(says(audit->missing[0], "the anchors know one")) << audit->missing[0];
 }
 
 TEST(Audit, KeysAreConnectedByTheLedger) {

@@ -154,6 +154,14 @@ TEST(Retention, DeletesByAgeOfTheEnd) {
   EXPECT_EQ(choose_deletions(runs, {400.0, {}}, 1'000 * kDay_ns)[0].why, "older than 400 days");
 }
 
+// The oldest run, which has no age, went by size although the old ones alone made room enough.
+TEST(Retention, DeletesByAgeFirstAndBySizeOnlyWhatIsStillTooMuch) {
+  ListedRuns runs{ended(1, 500, 10'000'000'000), ended(2, 450, 90'000'000'000), ended(3, 1, 10'000'000'000)};
+  runs[0].clock_synchronized = false;
+  EXPECT_EQ(deleted(runs, {400.0, 60.0}), std::vector<std::int64_t>{2});
+  EXPECT_EQ(deleted(runs, {400.0, 15.0}), (std::vector<std::int64_t>{2, 1}));
+}
+
 TEST(Retention, ARunThatWasRecordedWithoutASynchronizedClockHasNoAge) {
   ListedRuns runs{ended(1, 401, 1), ended(2, 401, 1)};
   runs[0].clock_synchronized = false;

@@ -9,7 +9,10 @@
 #include <thread>
 #include <vector>
 
+#include "daemon/record/file_name.hpp"
+#include "daemon/record/key_file.hpp"
 #include "daemon/record/run_folder.hpp"
+#include "daemon/record/signature.hpp"
 #include "tests/record/recorded_rig.hpp"
 #include "tests/record/scratch.hpp"
 
@@ -130,6 +133,68 @@ TEST_F(HousekeeperTest, RunsThatTheLedgerDoesNotKnowAreNamedAndNeverDeleted) {
   EXPECT_EQ(list->all()->back().run, 2);
 }
 
+// The first delivery fails after the second was posted: it had been held to hold all heads, and arrived.
+TEST_F(HousekeeperTest, AHeadWhoseDeliveryFailedIsInTheOneThatWasUnderWayWithIt) {
+  ASSERT_TRUE(folder.open());
+  AnchorSender sender({1.0, heads, {}}, folder, notices.tell());
+  const RunHeader first = record_run(false);
+  sender.turn({0, kMidnight_utc_ns}, folder.take_ended(), true);
+  sender.settle(std::chrono::seconds(30));
+  std::filesystem::create_directory(scratch.path("share"));
+  const RunHeader second = record_run(false);
+  sender.turn({1, kMidnight_utc_ns}, folder.take_ended(), true);
+  sender.settle(std::chrono::seconds(30));
+  sender.take_outcomes({2, kMidnight_utc_ns});
+  EXPECT_EQ(sender.trouble(), "");
+  EXPECT_TRUE(sent(first));
+  EXPECT_TRUE(sent(second));
+}
+
+// A share that does not answer: nobody knew until 256 deliveries waited.
+TEST_F(HousekeeperTest, AnAnchorThatIsUnderWayForAMinuteIsATrouble) {
+  ASSERT_TRUE(folder.open());
+  const std::string go_on = scratch.path("go on");
+  AnchorSender sender({1.0, {}, {"/bin/sh", "-c", "until [ -e '" + go_on + "' ]; do sleep 0.01; done"}}, folder,
+                      notices.tell());
+  sender.turn({0, kMidnight_utc_ns}, {}, true);
+  sender.take_outcomes({AnchorSender::kLate_ns, kMidnight_utc_ns});
+  EXPECT_EQ(sender.trouble(), "");
+  sender.take_outcomes({AnchorSender::kLate_ns + 1, kMidnight_utc_ns});
+  EXPECT_EQ(sender.trouble(), "not delivered within 60 s");
+  scratch.write("go on", "");
+  sender.settle(std::chrono::seconds(30));
+  sender.take_outcomes({AnchorSender::kLate_ns + 2, kMidnight_utc_ns});
+  EXPECT_EQ(sender.trouble(), "");
+}
+
+// All together are half a run too large, and somebody protects the oldest after it was listed: its bytes counted as
+// freed, and nothing was deleted.
+TEST_F(HousekeeperTest, InPlaceOfARunThatIsProtectedMeanwhileTheNextOneIsDeleted) {
+  ASSERT_TRUE(folder.open());
+  for (int i = 0; i < 3; ++i) record_run(false);
+  folder.settle();
+  const auto list = std::make_shared<RunList>();
+  std::uint64_t bytes = 0;
+  look_at_runs(
+      scratch.path(), "",
+      [&](const ListedRun& run) {
+        bytes += run.bytes;
+        list->put(run);
+      },
+      [] { return false; });
+  scratch.write(list->all()->front().file + std::string(kKeepSuffix), "");
+  RetentionPolicy policy;
+  policy.gigabytes = static_cast<double>(bytes) * 0.8e-9;
+  JobThread jobs("runs");
+  RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, *list, jobs, notices.tell());
+  deleter.turn({0, kMidnight_utc_ns}, nullptr, false);
+  ASSERT_TRUE(jobs.settle(std::chrono::seconds(30)));
+  deleter.take_outcomes();
+  EXPECT_TRUE(notices.hold("-2-")) << notices.text();
+  ASSERT_EQ(list->all()->size(), 2U);
+  EXPECT_EQ(list->all()->front().run, 1);
+}
+
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.
 struct RetentionByAgeTest : HousekeeperTest {
   RetentionByAgeTest() {
@@ -155,6 +220,33 @@ TEST_F(RetentionByAgeTest, AnOldRunIsDeletedHoweverManyTurnsComeBeforeTheDirecto
   for (std::size_t i = 0; i < 4 * JobThread::kJobs; ++i) turn(0.0, 401.0);
   turn_until(
       0.0, [this] { return deleted(); }, 401.0);
+}
+
+// The list has the head of the signature, the ledger that of the run's end: the deletion was refused for ever.
+TEST_F(RetentionByAgeTest, ARunThatWasSignedIsDeletedLikeAnother) {
+  PersonalSignature words;
+  words.name = "Anna";
+  words.meaning = "reviewed";
+  words.utc = iso_utc(kMidnight_utc_ns);
+  words.person = Person{1000, "anna"};
+  const auto key = SigningKey::load(key_path(scratch.path()));
+  ASSERT_TRUE(key) << key.error();
+  std::string file;
+  look_at_runs(
+      scratch.path(), "", [&](const ListedRun& run) { file = run.file; }, [] { return false; });
+  const auto signature = sign_by_service(scratch.path(file), words, *key);
+  ASSERT_TRUE(signature) << signature.error();
+  ASSERT_TRUE(folder.run_signed(1, *signature));
+  turn_until(
+      0.0, [this] { return deleted(); }, 401.0);
+}
+
+// The service ended between the ledger's entry and the removal of the file.
+TEST_F(RetentionByAgeTest, ARunThatTheLedgerHasAsDeletedLosesItsFileAtTheNextLook) {
+  ASSERT_TRUE(folder.run_deleted(1, "older than 400 days"));
+  turn_until(
+      0.0, [this] { return deleted(); }, 401.0);
+  EXPECT_FALSE(notices.hold("could not be told")) << notices.text();
 }
 
 TEST_F(RetentionByAgeTest, NothingIsDeletedWhileTheClockIsNotSynchronized) {

@@ -139,5 +139,24 @@ TEST_F(InterruptedRecording, AfterACrashARunThatComesMuchLaterIsTheDrives) {
   EXPECT_EQ(store.runs[0].header.begun_by, "drive");
   EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
 }
+// The disk refused the last block after the run had ended: the reserve took it, and no recording stopped. The next run
+// began as the continuation of one that had been complete.
+TEST_F(InterruptedRecording, AFullDiskAfterTheEndOfARunStopsNothingAndTheRunKeepsItsReason) {
+  stream.starts();
+  stream.play(2.5);
+  stream.ends();
+  store.full = true;
+  stream.play(1.5);
+  ASSERT_TRUE(store.runs[0].closed);
+  EXPECT_EQ(end_of(store.runs[0]).why, "drive stopped");
+  EXPECT_EQ(log.stopped(), "");
+  EXPECT_FALSE(told("recording stops"));
+  store.full = false;
+  stream.starts();
+  stream.play(1.5);
+  ASSERT_EQ(store.runs.size(), 2u);
+  EXPECT_EQ(store.runs[1].header.begun_by, "drive");
+}
+
 }  // namespace
 }  // namespace dwell::record

@@ -69,6 +69,15 @@ TEST_F(NamedPipe, InPlaceOfASmallFileAKeyOrTheReserveIsRefused) {
   EXPECT_EQ(DiskReserve(path, 4096).hold().error(), refusal);
 }
 
+// A full disk had cut the line before: the next one was glued to it, and both were lost.
+TEST(SmallFile, ALineIsAppendedAsALineOfItsOwn) {
+  const Scratch scratch;
+  const std::string path = scratch.write("heads", "one\ntw");
+  ASSERT_TRUE(append_line(path, "three"));
+  ASSERT_TRUE(append_line(path, "four"));
+  EXPECT_EQ(Scratch::read(path), "one\ntw\nthree\nfour\n");
+}
+
 TEST(RegularFile, AFullDiskAndAFullQuotaReadAlike) {
   EXPECT_EQ(system_text(ENOSPC), "disk full");
   EXPECT_EQ(system_text(EDQUOT), "disk full");

@@ -205,7 +205,7 @@ TEST(RunFolder, ADeletedRunIsToldToTheLedgerAndNotMissing) {
   rig.folder.settle();
   const auto files = run_files(scratch.path());
   const ListedRun listed = look_at_run(scratch.path(), std::filesystem::path(files[0]).filename().string());
-  ASSERT_TRUE(rig.folder.run_deleted(listed.run, listed.head, "older than 400 days"));
+  ASSERT_TRUE(rig.folder.run_deleted(listed.run, "older than 400 days"));
   std::filesystem::remove(files[0]);
   EXPECT_EQ(broken(scratch.path()), "");
 }

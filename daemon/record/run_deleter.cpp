@@ -1,0 +1,104 @@
+#include "daemon/record/run_deleter.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace dwell::record {
+namespace {
+
+// Rounded up.
+std::string size_text(std::uint64_t bytes) {
+  return bytes < 1'000'000 ? std::to_string((bytes + 999) / 1000) + " kB"
+                           : std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+}  // namespace
+
+RunDeleter::RunDeleter(RetentionOptions options, RunFolder& folder, RunList& list, JobThread& jobs, Tell tell)
+    : options_(std::move(options)), folder_(folder), list_(list), jobs_(jobs), tell_(std::move(tell)) {}
+
+void RunDeleter::watch_clock(const ClockPair& now) {
+  if (options_.policy.days) doubt_ = age_doubt_.at(now, options_.clock_synchronized());
+}
+
+void RunDeleter::turn(const ClockPair& now, const ListedRun* recorded, bool run_changed) {
+  if (!doubt_.empty()) std::erase_if(deletions_, [](const Deletion& deletion) { return deletion.by_age; });
+  if (run_changed || now.raw_ns >= next_look_ns_) {
+    next_look_ns_ = now.raw_ns + (run_changed ? kListed_ns : kPeriod_ns);
+    choose(now, recorded);
+  }
+  if (deletions_.empty() || jobs_.full()) return;
+  const Deletion deletion = std::move(deletions_.front());
+  deletions_.pop_front();
+  if (recorded == nullptr || deletion.run.file != recorded->file) erase(deletion);
+}
+
+void RunDeleter::choose(const ClockPair& now, const ListedRun* recorded) {
+  ListedRuns runs = deletable(recorded);
+  auto chosen = chosen_of(runs, options_.policy, now.utc_ns);
+  const auto old = std::count_if(chosen.begin(), chosen.end(), [](const Deletion& one) { return one.by_age; });
+  if (!doubt_.empty() && old > 0) {
+    RetentionPolicy by_size = options_.policy;
+    by_size.days.reset();
+    chosen = chosen_of(runs, by_size, now.utc_ns);
+  }
+  deletions_.assign(chosen.begin(), chosen.end());
+  if (old == 0 || std::exchange(told_doubt_, doubt_) == doubt_ || doubt_.empty()) return;
+  tell_({Notice::Grade::warning,
+         "runs that seem too old to be kept: " + std::to_string(old) + "; nothing is deleted by age: " + doubt_,
+         0,
+         {}});
+}
+
+ListedRuns RunDeleter::deletable(const ListedRun* recorded) const {
+  ListedRuns runs = *list_.all();
+  for (ListedRun& run : runs) {
+    run.kept = run.kept || !folder_.knows(run.run, run.file);
+    if (recorded != nullptr && run.file == recorded->file) run.bytes = recorded->bytes;
+  }
+  return runs;
+}
+
+std::vector<Deletion> RunDeleter::chosen_of(ListedRuns& runs, const RetentionPolicy& policy,
+                                            std::int64_t now_utc_ns) const {
+  for (;;) {
+    std::vector<Deletion> chosen = choose_deletions(runs, policy, now_utc_ns);
+    bool again = false;
+    for (ListedRun& run : runs) {
+      const auto names = [&run](const Deletion& deletion) { return deletion.run.file == run.file; };
+      if (run.kept || std::none_of(chosen.begin(), chosen.end(), names)) continue;
+      run.kept = is_kept(options_.directory, run.file);
+      again = again || run.kept;
+    }
+    if (!again) return chosen;
+  }
+}
+
+void RunDeleter::erase(const Deletion& deletion) {
+  const ListedRun& run = deletion.run;
+  if (is_kept(options_.directory, run.file)) return;
+  if (auto told = folder_.run_deleted(run.run, deletion.why); !told) {
+    tell_({Notice::Grade::warning,
+           run.file + " is not deleted, for the ledger could not be told: " + told.error(),
+           run.run,
+           {}});
+    return;
+  }
+  list_.remove(run.file);
+  const std::string text = run.file + " deleted, " + size_text(run.bytes) + ": " + deletion.why;
+  jobs_.post([path = options_.directory + "/" + run.file, text, number = run.run, unlinked = unlinked_](const auto&) {
+    const bool gone = unlink(path.c_str()) == 0;
+    for (const char* part : {"-wal", "-shm"}) unlink((path + part).c_str());
+    const auto grade = gone ? Notice::Grade::info : Notice::Grade::warning;
+    unlinked->put({grade, gone ? text : path + " could not be deleted", number, {}});
+  });
+}
+
+void RunDeleter::take_outcomes() {
+  for (const Notice& notice : unlinked_->take()) tell_(notice);
+}
+
+}  // namespace dwell::record
