@@ -1,6 +1,6 @@
 // The threads for what takes seconds: one for coefficients from a transient, one for the verification of a model. Each
-// does one job at a time, at a lower priority than all other threads; nobody waits for them. There are two, so that the
-// verdict on a dwell does not wait for an estimate, which may take minutes where it looks for what is missing.
+// does one job at a time, at nice 10, below all threads that measure; nobody waits for them. There are two, so that the
+// verification of a model does not wait for an estimate, which may take minutes where it looks for what is missing.
 #pragma once
 
 #include <atomic>

@@ -34,13 +34,14 @@ class ModelWork {
   }
   // A dwell has ended with the record `position`.
   void ended(const Dwell& dwell, std::uint64_t position);
-  // Call a few times a second, with the readings that count; null: not available now. origin_ns: t = 0 of the run on
+  // Call at least once a second, with the readings that count; null: not available now. origin_ns: t = 0 of the run on
   // their clock. Real-time safe.
   void gather(const SampleHistory* readings, std::int64_t origin_ns) noexcept {
     if (readings != nullptr) verification_.take(*readings, origin_ns);
   }
-  // Call a few times a second on the one object that may use the slots. now: the current dwell, as it stood after the
-  // record `position`. pipeline: the dwell's; its channel() and condition_reason() are asked, nothing else. Takes
+  // Call for each published estimate (`update` of the rig file: once a second at least) on the one object that may use
+  // the slots. now: the current dwell, as it stood after the record `position`. pipeline: the dwell's, while it goes
+  // on; of an ended run's model any pipeline. Its channel() and condition_reason() are asked, nothing else. Takes
   // finished work back, one job a turn, and hands due jobs over, in two milliseconds at most. Drops a job that another
   // object has handed over before.
   void turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline);

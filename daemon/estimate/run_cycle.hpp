@@ -39,7 +39,8 @@ struct RunOptions {
 };
 
 // Bound to the estimation thread; may be constructed on another. Real-time safe except when a dwell, a state or a run
-// ends, or an operator starts a run.
+// ends, or an operator starts a run. At an operator's start or stop, and at the recorder's restart, it may have to wait
+// until a pipeline is made.
 class RunCycle {
  public:
   using Tell = std::function<void(RunEvent)>;
@@ -64,7 +65,7 @@ class RunCycle {
   // The end of the session, at t_ns: the run ends, the current dwell completes.
   void finish(std::int64_t t_ns);
 
-  // Fills in the run and its dwells, and gives the model's work its turn. Call a few times a second.
+  // Fills in the run and its dwells, and gives the model's work its turn. Call at least once a second.
   void show(Snapshot& to);
   // Fills in the live values of the channels.
   [[nodiscard]] const Pipeline& pipeline() const noexcept { return live_.front()->measurement().pipeline(); }

@@ -23,8 +23,8 @@
 
 namespace dwell::handon {
 
-// Returns how many samples were written. Memory: below 100 MB, whatever the run's length. Fails with "PATH: why"; then
-// there is no file.
+// Returns how many samples were written. Memory: up to 150 MB in chunks and decoded blocks, whatever the run's length.
+// Fails with "PATH: why"; then there is no file.
 [[nodiscard]] Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& provenance,
                                                 const Target& target, const Progress& progress);
 

@@ -25,8 +25,8 @@ struct UffDone {
   std::uint64_t left_out = 0;  // samples in stretches too short to resample
 };
 
-// Reads the stream twice, since lengths stand before values. Memory: 48 MB and 1.5 kB a channel. Fails with "PATH:
-// why"; then there is no file.
+// Reads the stream twice, since lengths stand before values. Memory: up to 135 MB in buffers and decoded blocks, and
+// 1.5 kB a channel. Fails with "PATH: why"; then there is no file.
 [[nodiscard]] Result<UffDone> export_uff(Selection& selection, const Provenance& provenance, const UffOptions& options,
                                          const Target& target, const Progress& progress);
 

@@ -2,7 +2,7 @@
 //
 // A handler answers paths, broadcast() pushes events; the server does not know what they mean. Limits bound the number
 // of clients, of streams and of files under way, header and body, the time for a request, and the events that wait for
-// a slow reader. Of each file under way one piece is in memory.
+// a slow reader. Of each file under way two pieces are in memory.
 // Waiting events beyond the limit are dropped and counted: first those that a client must ask for, then the oldest.
 //
 // When all places are taken, a new client replaces the one that has been silent longest. Clients that never asked for
