@@ -36,7 +36,8 @@ export function limitOf(dwell, key, k) {
   const oneEnd = limit.low === null || limit.high === null;
   const words = {
     kept: `limit kept: ${bounds}`,
-    undecided: `limit undecided: ± reaches over ${oneEnd ? end(limit) : `an end of ${bounds}`}`,
+    // The bounds first: a wall display cuts a long line at its end.
+    undecided: oneEnd ? `limit undecided: ± reaches over ${end(limit)}` : `limit undecided, ${bounds}: ± reaches over an end`,
     violated: `limit violated: ${oneEnd ? 'not' : 'outside'} ${bounds}`,
     none: `no verdict on the limit${oneEnd ? ' of' : ''} ${bounds}: ${shortReason(limit)}`,
   };

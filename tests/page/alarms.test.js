@@ -52,7 +52,7 @@ test('a limit is kept, violated or undecided in words and shape; the violated on
   await row(page, 'limit:stiffness:2').waitFor();
   const limits = await page.locator('.limit:not([hidden])').allInnerTexts();
   assert.deepEqual(limits, ['✓ limit kept: 10.00 to 50.00 kN/m', '✓ limit kept: −900.0 to 900.0 N·s/m',
-    '▲ limit violated: outside 12.00 to 13.00 kN/m', '◇ limit undecided: ± reaches over an end of 5.000 to 6.000 kN/m']);
+    '▲ limit violated: outside 12.00 to 13.00 kN/m', '◇ limit undecided, 5.000 to 6.000 kN/m: ± reaches over an end']);
   assert.match(await row(page, 'limit:stiffness:2').innerText(), /^unacknowledged .*limit violated: stiffness of element 2 is [78]\.\d+ ± 0\.\d+ kN\/m, outside/);
   assert.equal(await page.locator('#alarm-rows', { hasText: 'element 3' }).count(), 0);
   assert.match(await page.locator('#alarm-line').innerText(), /\d alarms? not acknowledged/);

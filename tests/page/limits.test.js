@@ -13,7 +13,7 @@ const limited = (verdict, reason = null, doubted = false) =>
 test('each verdict has its word, its shape and the limit', () => {
   assert.deepEqual(limitOf(limited('kept'), 'stiffness', 2), { verdict: 'kept', text: '✓ limit kept: 7.500 to 8.500 kN/m' });
   assert.equal(limitOf(limited('violated'), 'stiffness', 2).text, '▲ limit violated: outside 7.500 to 8.500 kN/m');
-  assert.equal(limitOf(limited('undecided'), 'stiffness', 2).text, '◇ limit undecided: ± reaches over an end of 7.500 to 8.500 kN/m');
+  assert.equal(limitOf(limited('undecided'), 'stiffness', 2).text, '◇ limit undecided, 7.500 to 8.500 kN/m: ± reaches over an end');
   assert.equal(limitOf(limited('none', 'not settled'), 'stiffness', 2).text, '– no verdict on the limit 7.500 to 8.500 kN/m: not settled');
 });
 
