@@ -63,3 +63,15 @@ export function keyed(parent, items, keyOf, make, renew) {
   // A node that is moved loses the focus, although it stays.
   if (focused?.isConnected && document.activeElement !== focused) focused.focus({ preventScroll: true });
 }
+
+// Draws at most `times` a second: nobody reads a table faster, and ten times a second it would be most of the load. The
+// first answers are drawn at once.
+export function atMost(times, draw) {
+  let last = -1;
+  return (view) => {
+    const turn = view.channels === null ? -1 : Math.floor(times * view.now);
+    if (turn === last && turn >= 0) return;
+    last = turn;
+    draw(view);
+  };
+}

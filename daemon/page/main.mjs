@@ -1,6 +1,7 @@
 // The page: draws what the feed knows, when something came or time has made something old.
 import { showAlarms } from './alarms_view.mjs';
 import { showCoefficients } from './coefficients_view.mjs';
+import { atMost } from './dom.mjs';
 import { Feed } from './feed.mjs';
 import { Clock } from './freshness.mjs';
 import { showHead } from './head_view.mjs';
@@ -17,16 +18,6 @@ const TICK_MS = 250;
 const clock = new Clock(() => performance.now() / 1e3, () => Date.now() / 1e3);
 let due = false;
 
-// Draws at most `times` a second: nobody reads a table faster, and ten times a second it would be most of the load.
-function atMost(times, show) {
-  let last = -1;
-  return (view) => {
-    const turn = Math.floor(times * view.now);
-    if (turn === last) return;
-    last = turn;
-    show(view);
-  };
-}
 const slower = [atMost(2, showPhasors), atMost(1, showModeShape), atMost(1, showTables), atMost(4, showOperate), atMost(1, showBeyond),
   atMost(2, (view) => showAlarms(view, () => feed.askNow()))];
 

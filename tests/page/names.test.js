@@ -46,6 +46,7 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
     await page.locator('#trace-plot').scrollIntoViewIfNeeded();
     await page.waitForFunction((title) => document.querySelector('#trace-plot').title === title, `From above: ${CHANNELS.map(long).join(', ')}`);
     if (size !== 'wall') {
+      await page.waitForSelector('#channel-rows tr');
       assert.deepEqual(await page.locator('#phasor-rows th').allInnerTexts(), CHANNELS.map(long), 'for those who see no picture');
       const right = await page.evaluate(() => document.querySelector('#channel-rows td:nth-child(3)').getBoundingClientRect().right);
       assert.ok(right <= SIZES[size].width, `status and reading of a channel are in view, up to ${right} px`);
