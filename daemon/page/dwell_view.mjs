@@ -4,7 +4,7 @@ import { about, COEFFICIENTS, marksOf, subscript } from './coefficients.mjs';
 import { h, setText } from './dom.mjs';
 import { limitOf } from './limits.mjs';
 import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
-import { fromRun } from './runs.mjs';
+import { FILE_MS, fromRun } from './runs.mjs';
 import { modelOf, whom } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -45,6 +45,8 @@ function contentOf(d, from) {
   ];
 }
 
+let asked = 0; // questions for a dwell so far: the answer to an older one comes too late
+
 // run: as in /api/v1/runs, the recorded run that it comes from; null: the service knows it without a file.
 export async function openDwell(brief, run) {
   const path = run ? `${run.dwells_at}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
@@ -52,15 +54,17 @@ export async function openDwell(brief, run) {
   $('dwell-json').href = path;
   $('dwell-content').replaceChildren(h('p', {}, 'loading …'));
   $('dwell').showModal();
+  const own = ++asked;
+  const fill = (content) => own === asked && $('dwell-content').replaceChildren(...content);
   try {
-    const answer = await fetch(path);
+    const answer = await fetch(path, { signal: AbortSignal.timeout(FILE_MS) });
     const dwell = await answer.json();
     if (!answer.ok) throw new Error(dwell.error);
     // Indices begin anew with each run: the service has only those of the newest.
     if (!run && dwell.start_utc !== brief.start_utc) throw new Error('it belongs to an earlier run: choose that run above the table');
-    $('dwell-content').replaceChildren(...contentOf(dwell, run ? fromRun(run) : null));
+    fill(contentOf(dwell, run ? fromRun(run) : null));
   } catch (failure) {
-    $('dwell-content').replaceChildren(h('p', {}, `It cannot be shown: ${failure.message}`));
+    fill([h('p', {}, `It cannot be shown: ${failure.message}`)]);
   }
 }
 $('dwell-close').addEventListener('click', () => $('dwell').close());

@@ -1,7 +1,7 @@
 // Whose dwells the table shows: those of now, or of an earlier run that is chosen, which the service reads from its file.
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
 import { instantText } from './number.mjs';
-import { earlierRuns, fromRun } from './runs.mjs';
+import { earlierRuns, FILE_MS, fromRun } from './runs.mjs';
 
 const $ = (id) => document.getElementById(id);
 const NOW = '';
@@ -20,7 +20,7 @@ async function choose(file, changed) {
   chosen = asked;
   changed();
   try {
-    const answer = await fetch(`${run.dwells_at}?count=100`);
+    const answer = await fetch(`${run.dwells_at}?count=100`, { signal: AbortSignal.timeout(FILE_MS) });
     const told = await answer.json();
     if (!answer.ok) throw new Error(told.error);
     Object.assign(asked, { dwells: told.dwells, total: told.total });

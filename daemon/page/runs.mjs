@@ -1,6 +1,9 @@
 // What the page says of recorded runs: whether their files were altered, and whether they can be downloaded. Pure.
 import { secondsText } from './number.mjs';
 
+// A question that a run's file must be read for is given up after so long: the service may read for 60 s.
+export const FILE_MS = 70_000;
+
 // { tone, text } of an audit. Each state has a word and a shape; only an abnormal one has a colour.
 export function auditOf({ audit }) {
   if (!audit) return { tone: 'calm', text: '– not known' };

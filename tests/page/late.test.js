@@ -1,0 +1,44 @@
+// Answers that come late, or no longer.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+import { ScriptedService } from './scripted.js';
+
+let browser;
+let service;
+before(async () => {
+  [browser, service] = await Promise.all([openBrowser(), ScriptedService.begin()]);
+});
+after(async () => {
+  await Promise.all([browser?.close(), service?.end()]);
+});
+
+async function open() {
+  const page = await service.open(browser, SIZES.desk);
+  page.setDefaultTimeout(PATIENCE_MS);
+  await service.play(4);
+  await page.waitForSelector('#dwell-rows tr');
+  return page;
+}
+
+test('the late answer for a dwell that was opened before does not replace the one that is open', async () => {
+  const page = await open();
+  const { dwells } = await (await fetch(`${service.url}/api/v1/dwells`)).json();
+  let release = null;
+  await page.route(/\/api\/v1\/dwells\/\d+$/, async (route) => {
+    const index = Number(route.request().url().split('/').at(-1));
+    if (index === 11) await new Promise((done) => (release = done));
+    await route.fulfill({ json: { ...dwells.find((d) => d.index === index), ended_by: `end of ${index}` } });
+  });
+  const show = (index) => page.locator('#dwell-rows button', { hasText: new RegExp(`^${index}$`) }).click();
+  await show(11);
+  await page.locator('#dwell-close').click();
+  await show(12);
+  await page.locator('#dwell-content', { hasText: 'end of 12' }).waitFor();
+  const late = page.waitForResponse(/dwells\/11$/);
+  release();
+  await (await late).finished();
+  await page.waitForTimeout(100);
+  assert.match(await page.locator('#dwell-content').innerText(), /end of 12/);
+  await page.close();
+});
