@@ -11,6 +11,7 @@ const ASK_MS = 1000;
 const ANSWER_MS = 2000; // then the question is given up
 const SILENT_S = 5; // a stream that says nothing for so long, while answers come, is opened anew
 const SELDOM_MS = 10_000; // between questions for what changes seldom
+const ASKED_AGAIN = 2; // dwells before the newest of the list
 const KEPT_EVENTS = 500;
 const KEPT_DWELLS = 300;
 
@@ -161,9 +162,9 @@ export class Feed {
     this.events = [...this.events, ...events.events].slice(-KEPT_EVENTS);
 
     const run = this.dwell?.start_utc;
-    // The model of a dwell may be verified after its end: then that dwell is asked for once more.
+    // The model of a dwell may be verified, or contradicted, after its end: the newest are asked for again.
     const newest = this.dwells.findLast((d) => d.start_utc === run);
-    const from = newest ? newest.index + (newest.model?.verdict === NOT_VERIFIED ? 0 : 1) : null;
+    const from = newest ? Math.max(1, newest.index - ASKED_AGAIN) : null;
     const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from}` : ''}`);
     const known = new Set(list.dwells.map(keyOf));
     const { file } = list; // with each run the list begins anew

@@ -1,0 +1,93 @@
+// What the page asks for, and when, without a browser: the service is a function, and time passes as the test says.
+import assert from 'node:assert/strict';
+import { afterEach, beforeEach, test } from 'node:test';
+import { Feed } from '../../daemon/page/feed.mjs';
+import { dwellOf, OLD_AFTER } from './sample.js';
+
+const START_MS = Date.parse(dwellOf().start_utc);
+const [rightFetch, rightInterval, rightDate] = [globalThis.fetch, globalThis.setInterval, Date.now];
+
+let now; // s since the run began
+let ask; // of the feed, as its interval does
+let asked; // paths since they were last looked at
+let told; // answers by path, each { … }, or a function of the query; an Error: the question fails
+let source; // the stream that is open
+let opened; // streams so far
+
+class Stream extends EventTarget {
+  static CLOSED = 2;
+  readyState = 1;
+  constructor() {
+    super();
+    source = this;
+    opened += 1;
+  }
+  close() {
+    this.readyState = Stream.CLOSED;
+  }
+  say(type, value) {
+    this.dispatchEvent(Object.assign(new Event(type), { data: JSON.stringify(value) }));
+  }
+}
+
+beforeEach(() => {
+  now = 100;
+  asked = [];
+  opened = 0;
+  Object.assign(globalThis, { EventSource: Stream, location: { reload() {} },
+    setInterval: (act) => (ask = act),
+    fetch: async (url) => {
+      const path = url.replace('/api/v1/', '');
+      asked.push(path);
+      const [what, query] = path.split('?');
+      const answer = typeof told[what] === 'function' ? await told[what](new URLSearchParams(query)) : told[what];
+      if (answer instanceof Error || answer === undefined) throw answer ?? new Error(`nobody answers ${path}`);
+      return { ok: true, status: 200, json: async () => structuredClone(answer) };
+    } });
+  Date.now = () => START_MS + 1e3 * now;
+  told = { health: () => ({ version: '1', utc: new Date(START_MS + 1e3 * now).toISOString(), uptime_s: now, ...OLD_AFTER }),
+    channels: { channels: [] }, alarms: { alarms: [] }, events: { next: 1, events: [] }, dwells: { dwells: [], file: null }, runs: { runs: [], total: 0 } };
+});
+afterEach(() => {
+  Object.assign(globalThis, { fetch: rightFetch, setInterval: rightInterval });
+  Date.now = rightDate;
+});
+
+const settle = () => new Promise((done) => setTimeout(done));
+function begin() {
+  const feed = new Feed({ now: () => now }, () => {}, { begun() {}, take() {} });
+  feed.begin();
+  return feed;
+}
+// So many seconds pass: the page asks once in each.
+async function pass(seconds, each = () => {}) {
+  for (let s = 0; s < seconds; ++s) {
+    now += 1;
+    each();
+    ask();
+    await settle();
+  }
+}
+const askedOf = (what) => asked.splice(0).filter((path) => path.split('?')[0] === what);
+
+const finished = (index, more) => dwellOf({ index, state: 'complete', start_s: 10 * index, settled_s: 10 * index + 2, end_s: 10 * index + 9, ended_by: 'drive changed', ...more });
+const verdict = (words) => ({ model: { verdict: words, seen: null, U: null, asked: 0.05, consistent: true } });
+
+test('a verdict or a doubt that comes after the end of a dwell is taken, although newer dwells have ended', async () => {
+  const list = [finished(1), finished(2, verdict('not verified yet')), finished(3, verdict('not verified yet'))];
+  told.dwells = (query) => ({ dwells: list.filter((d) => d.index >= Number(query.get('from') ?? 0)), file: null });
+  told['dwells/3'] = () => list[2];
+  const feed = begin();
+  source.say('dwell', dwellOf({ index: 4, state: 'idle', settled_s: null, elements: [] }));
+  await settle();
+  assert.deepEqual(feed.dwells.map((d) => d.index), [1, 2, 3]);
+  list[1] = finished(2, verdict('adequate'));
+  list[2] = finished(3, { ...verdict('not adequate'), doubts: [{ elements: [], what: 'a line lies on the drive' }] });
+  await pass(11);
+  assert.deepEqual(feed.dwells.map((d) => d.model?.verdict), [undefined, 'adequate', 'not adequate']);
+  assert.equal(feed.last.model.verdict, 'not adequate');
+  assert.equal(feed.last.doubts().length, 1);
+  list[2] = finished(3, verdict('adequate'));
+  await pass(11);
+  assert.equal(feed.last.model.verdict, 'adequate', 'it is asked for again, whatever its verdict was');
+});
