@@ -38,6 +38,7 @@ export class Feed {
   #spoke_s = -Infinity; // the stream
   #seldom_s = -Infinity; // when what changes seldom was asked for
   #asking = false;
+  #askingSeldom = false;
   #knowsEarlier = false; // the dwells of earlier runs have been asked for
   #nextEvent = 0;
   #ahead_ms = 0; // the service's clock before this computer's
@@ -132,7 +133,7 @@ export class Feed {
       this.refused = false;
       this.fresh.answered(this.#now());
       if (this.#source.readyState === EventSource.CLOSED || this.#now() - this.#spoke_s > SILENT_S) this.#listen();
-      if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) await this.#askSeldom();
+      if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) this.#askSeldom(); // not waited for: lists may be long
     } catch (error) {
       this.refused = error instanceof Refused;
       // A stream that was opened before would go on: what is shown must be of one time.
@@ -152,15 +153,32 @@ export class Feed {
     if (model === this.#model) this.verification = verification;
   }
 
-  // Lists that grow: only what is new is asked for. After a restart of the service its numbers begin anew.
+  // One question after the other. One that fails keeps none of the others from being asked.
   async #askSeldom() {
+    if (this.#askingSeldom) return;
+    this.#askingSeldom = true;
     this.#seldom_s = this.#now();
+    for (const ask of [this.#askEvents, this.#askDwells, this.#askWhyUnverified, this.#askRuns, this.#askLast]) {
+      try {
+        await ask.call(this);
+      } catch {
+        // It is asked again with the others.
+      }
+    }
+    this.#askingSeldom = false;
+    this.#changed();
+  }
+
+  // Lists that grow: only what is new is asked for. After a restart of the service its numbers begin anew.
+  async #askEvents() {
     const events = await this.#get(`/api/v1/events${this.#nextEvent ? `?from=${this.#nextEvent}` : ''}`);
     if (events.next < this.#nextEvent) this.events = [];
     if (events.next < this.#nextEvent && events.events.length === 0) this.#nextEvent = 0;
     else this.#nextEvent = events.next;
     this.events = [...this.events, ...events.events].slice(-KEPT_EVENTS);
+  }
 
+  async #askDwells() {
     const run = this.dwell?.start_utc;
     // The model of a dwell may be verified, or contradicted, after its end: the newest are asked for again.
     const newest = this.dwells.findLast((d) => d.start_utc === run);
@@ -175,9 +193,10 @@ export class Feed {
       this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
     }
     this.#addToTrend(list.dwells);
-    await this.#askWhyUnverified();
+  }
+
+  async #askRuns() {
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
-    await this.#askLast();
     if (!this.#knowsEarlier) this.#askEarlier(); // it is not waited for: files are read
   }
 

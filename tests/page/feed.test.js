@@ -91,3 +91,16 @@ test('a verdict or a doubt that comes after the end of a dwell is taken, althoug
   await pass(11);
   assert.equal(feed.last.model.verdict, 'adequate', 'it is asked for again, whatever its verdict was');
 });
+
+test('a seldom question that fails or hangs keeps none of the others from being asked', async () => {
+  told.events = new Error('timeout');
+  told.runs = { runs: [{ run: 1, dwells_at: null }], total: 1 };
+  const feed = begin();
+  await settle();
+  assert.equal(feed.runsTotal, 1);
+  told.events = () => new Promise(() => {}); // no answer comes
+  await pass(10);
+  asked.length = 0;
+  await pass(5);
+  assert.equal(askedOf('health').length, 5, 'what is asked for once a second goes on');
+});
