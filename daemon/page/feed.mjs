@@ -11,6 +11,7 @@ const ASK_MS = 1000;
 const ANSWER_MS = 2000; // then the question is given up
 const SILENT_S = 5; // a stream that says nothing for so long, while answers come, is opened anew
 const SELDOM_MS = 10_000; // between questions for what changes seldom
+const BEGAN_MS = 2000; // a beginning that is told so much later, or earlier, is another one
 const ASKED_AGAIN = 2; // dwells before the newest of the list
 const KEPT_EVENTS = 500;
 const KEPT_DWELLS = 300;
@@ -40,7 +41,8 @@ export class Feed {
   #asking = false;
   #askingSeldom = false;
   #knowsEarlier = false; // the dwells of earlier runs have been asked for
-  #nextEvent = 0;
+  #nextEvent = 0; // 0: all are asked for
+  #began_ms = NaN; // UTC when the service began, as health told last
   #ahead_ms = 0; // the service's clock before this computer's
   #told = '';
   #model = ''; // the verdict on it, as told last
@@ -127,6 +129,7 @@ export class Feed {
       if (this.health && ['version', 'rig_sha256'].some((what) => this.health[what] !== health[what])) location.reload();
       this.health = health;
       this.fresh.told(health);
+      this.#lookForRestart(health);
       this.#ahead_ms = Date.parse(health.utc) - Date.now();
       this.channels = channels.channels;
       this.alarms = alarms;
@@ -144,6 +147,16 @@ export class Feed {
       this.#asking = false;
       this.#changed();
     }
+  }
+
+  // A clock of the service that is set looks the same, and only has the events asked for once more.
+  #lookForRestart({ utc, uptime_s }) {
+    const began_ms = Date.parse(utc) - 1e3 * (uptime_s ?? NaN);
+    if (Math.abs(began_ms - this.#began_ms) > BEGAN_MS) {
+      this.#nextEvent = 0;
+      this.#seldom_s = -Infinity;
+    }
+    this.#began_ms = began_ms;
   }
 
   async #askWhyUnverified() {
@@ -169,13 +182,16 @@ export class Feed {
     this.#changed();
   }
 
-  // Lists that grow: only what is new is asked for. After a restart of the service its numbers begin anew.
+  // Only what is new is asked for. After a restart of the service its numbers begin anew.
   async #askEvents() {
-    const events = await this.#get(`/api/v1/events${this.#nextEvent ? `?from=${this.#nextEvent}` : ''}`);
-    if (events.next < this.#nextEvent) this.events = [];
-    if (events.next < this.#nextEvent && events.events.length === 0) this.#nextEvent = 0;
-    else this.#nextEvent = events.next;
-    this.events = [...this.events, ...events.events].slice(-KEPT_EVENTS);
+    const from = this.#nextEvent;
+    const told = await this.#get(`/api/v1/events${from ? `?from=${from}` : ''}`);
+    if (told.next < from || from !== this.#nextEvent) { // it was started again, as told now or meanwhile by health
+      this.#nextEvent = 0;
+      return this.#askEvents();
+    }
+    this.#nextEvent = told.next;
+    this.events = [...(from ? this.events : []), ...told.events].slice(-KEPT_EVENTS);
   }
 
   async #askDwells() {

@@ -104,3 +104,28 @@ test('a seldom question that fails or hangs keeps none of the others from being 
   await pass(5);
   assert.equal(askedOf('health').length, 5, 'what is asked for once a second goes on');
 });
+
+test('after a restart all events are asked for at once, although their numbers have passed those of before', async () => {
+  const events = (from, next) => ({ next, events: Array.from({ length: next - from }, (_, i) => ({ number: from + i, text: `event ${from + i}` })) });
+  let next = 4;
+  let began = 0;
+  told.events = (query) => events(Number(query.get('from') ?? 1), next);
+  const { health } = told;
+  told.health = () => ({ ...health(), uptime_s: now - began });
+  const feed = begin();
+  await settle();
+  assert.deepEqual(feed.events.map((e) => e.number), [1, 2, 3]);
+  next = 5;
+  await pass(11);
+  assert.deepEqual(feed.events.map((e) => e.number), [1, 2, 3, 4]);
+  assert.deepEqual(askedOf('events'), ['events', 'events?from=4']);
+  began = now;
+  next = 9;
+  await pass(2);
+  assert.deepEqual(askedOf('events'), ['events']);
+  assert.deepEqual(feed.events.map((e) => e.number), [1, 2, 3, 4, 5, 6, 7, 8]);
+  next = 3; // and again, told by the events alone
+  told.health = () => ({ ...health(), uptime_s: null });
+  await pass(11);
+  assert.deepEqual(feed.events.map((e) => e.number), [1, 2]);
+});
