@@ -81,19 +81,22 @@ export class Feed {
     const source = new EventSource('/api/v1/stream?traces');
     this.#source = source;
     this.#spoke_s = this.#now();
-    source.addEventListener('dwell', (event) => this.#take(JSON.parse(event.data)));
-    source.addEventListener('change', (event) => {
-      const whole = applyChange(this.dwell, JSON.parse(event.data));
+    const on = (name, take) => source.addEventListener(name, (event) => {
+      this.#spoke_s = this.#now();
+      take(JSON.parse(event.data));
+    });
+    on('dwell', (dwell) => this.#take(dwell));
+    on('change', (change) => {
+      const whole = applyChange(this.dwell, change);
       if (whole) this.#take(whole);
     });
+    on('traces', (traces) => this.#traces.take(traces));
     source.addEventListener('open', () => this.#traces.begun());
-    source.addEventListener('traces', (event) => this.#traces.take(JSON.parse(event.data)));
     source.onerror = () => this.#ask();
   }
 
   #take(dwell) {
     const now = this.#now();
-    this.#spoke_s = now;
     this.dwell = dwell;
     this.fresh.tookDwell(dwell, now);
     this.last.take(dwell, now, this.nowMs());

@@ -129,3 +129,11 @@ test('after a restart all events are asked for at once, although their numbers h
   await pass(11);
   assert.deepEqual(feed.events.map((e) => e.number), [1, 2]);
 });
+
+test('a stream that tells anything is not opened anew, one that is silent is', async () => {
+  begin();
+  await pass(20, () => source.say('traces', {}));
+  assert.equal(opened, 1);
+  await pass(7);
+  assert.equal(opened, 2);
+});
