@@ -129,8 +129,8 @@ const struckCells = (before, now) => (before ? cellsOf(before, before.doubts.len
 
 const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
 
-// What stands below the numbers. shown: as coefficientsOf() gives it.
-export function legendOf(shown) {
+// What stands below the numbers. shown: as coefficientsOf() gives it; trendLacks: numbers of runs.
+export function legendOf(shown, trendLacks = []) {
   if (shown.elements.length === 0) return '';
   const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
   const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
@@ -139,6 +139,8 @@ export function legendOf(shown) {
     parts.push('struck through: no longer renewed; its age stands beside it');
   if (shown.unstated.length > 0)
     parts.push(`± covers noise, clock and what the rig file states; not stated: ${shown.unstated.join(', ')}`);
+  if (trendLacks.length > 0)
+    parts.push(`not in the trends: ${trendLacks.length > 1 ? 'runs' : 'run'} ${trendLacks.join(', ')}, not read from file`);
   return `${parts.join('. ')}.`;
 }
 

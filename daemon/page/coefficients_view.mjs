@@ -118,5 +118,5 @@ export function showCoefficients(view) {
   showWarnings($('warnings'), shown.warnings);
   showWarnings($('now-warnings'), shown.nowWarnings);
   show($('now-warnings-title'), shown.nowWarnings.length > 0);
-  setText($('legend'), legendOf(shown));
+  setText($('legend'), legendOf(shown, view.trendLacks));
 }

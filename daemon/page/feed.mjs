@@ -4,13 +4,14 @@ import { applyChange } from './change.mjs';
 import { keyOf, LastNumbers } from './coefficients.mjs';
 import { Freshness } from './freshness.mjs';
 import { History, HOUR_MS } from './history.mjs';
-import { earlierRuns } from './runs.mjs';
+import { earlierRuns, FILE_MS } from './runs.mjs';
 import { NOT_VERIFIED, utcMs } from './wording.mjs';
 
 const ASK_MS = 1000;
-const ANSWER_MS = 2000; // then the question is given up
+const ANSWER_MS = 2000; // then a question is given up; FILE_MS where a file is read
 const SILENT_S = 5; // a stream that says nothing for so long, while answers come, is opened anew
 const SELDOM_MS = 10_000; // between questions for what changes seldom
+const TRIES = 3; // to read the file of an earlier run
 const BEGAN_MS = 2000; // a beginning that is told so much later, or earlier, is another one
 const ASKED_AGAIN = 2; // dwells before the newest of the list
 const KEPT_EVENTS = 500;
@@ -40,7 +41,8 @@ export class Feed {
   #seldom_s = -Infinity; // when what changes seldom was asked for
   #asking = false;
   #askingSeldom = false;
-  #knowsEarlier = false; // the dwells of earlier runs have been asked for
+  #askingEarlier = false;
+  #earlier = null; // runs whose dwells the trend still lacks, { run, failed: how often }; null: not known yet
   #nextEvent = 0; // 0: all are asked for
   #began_ms = NaN; // UTC when the service began, as health told last
   #ahead_ms = 0; // the service's clock before this computer's
@@ -113,8 +115,8 @@ export class Feed {
     this.#changed();
   }
 
-  async #get(path) {
-    const answer = await fetch(path, { signal: AbortSignal.timeout(ANSWER_MS), cache: 'no-store' });
+  async #get(path, most_ms = ANSWER_MS) {
+    const answer = await fetch(path, { signal: AbortSignal.timeout(most_ms), cache: 'no-store' });
     const value = await answer.json();
     if (answer.status === 401) throw new Refused(value.error);
     this.fresh.heard(this.#now());
@@ -216,23 +218,34 @@ export class Feed {
 
   async #askRuns() {
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
-    if (!this.#knowsEarlier) this.#askEarlier(); // it is not waited for: files are read
+    this.#askEarlier(); // it is not waited for: files are read
   }
 
-  // Once, for the trend: the dwells of runs that ended within the last hour. Those of another rig file do not belong to it.
+  // For the trend: the dwells of runs that ended within the last hour. Those of another rig file do not belong to it.
   async #askEarlier() {
-    this.#knowsEarlier = true;
+    if (this.#askingEarlier) return;
+    this.#askingEarlier = true;
     const since_ms = this.nowMs() - HOUR_MS;
-    for (const run of earlierRuns(this.runs).filter(({ ended }) => ended && Date.parse(ended) > since_ms)) {
+    this.#earlier ??= earlierRuns(this.runs).filter(({ ended }) => ended && Date.parse(ended) > since_ms).map((run) => ({ run, failed: 0 }));
+    for (const one of this.#earlier.filter(({ failed }) => failed < TRIES)) {
       try {
-        const told = await this.#get(`${run.dwells_at}?count=100`);
+        const told = await this.#get(`${one.run.dwells_at}?count=100`, FILE_MS);
         if (told.rig_sha256 === this.health.rig_sha256) this.#addToTrend(told.dwells);
+        this.#earlier = this.#earlier.filter((other) => other !== one);
       } catch {
-        // The trend lacks this run until the page is loaded anew.
+        one.failed += 1; // it is asked again at the next turn
       }
     }
+    this.#askingEarlier = false;
     this.#changed();
   }
+
+  // Numbers of the last hour's runs that the trend lacks, for their files could not be read.
+  trendLacks() {
+    const since_ms = this.nowMs() - HOUR_MS;
+    return (this.#earlier ?? []).filter(({ run, failed }) => failed > 0 && Date.parse(run.ended) > since_ms).map(({ run }) => run.run);
+  }
+
   #addToTrend(dwells) {
     for (const dwell of dwells) {
       const ended = utcMs(dwell, dwell.end_s);

@@ -26,7 +26,7 @@ function draw() {
   const now = clock.now();
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
   const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
-    dwells: feed.dwells, runs: feed.runs, runsTotal: feed.runsTotal, verification: feed.verification, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, now,
+    dwells: feed.dwells, runs: feed.runs, runsTotal: feed.runsTotal, verification: feed.verification, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, trendLacks: feed.trendLacks(), now,
     nowMs: feed.nowMs(), broken: silent.size > 0, refused: feed.refused, rights: rightsNow() };
   showHead(view);
   showCoefficients(view);

@@ -32,6 +32,13 @@ test('measured: every coefficient with its ± and unit', () => {
   assert.deepEqual(texts(shown), ['c₁ 24.000 ± 0.024 kN/m', 'r₁ 60.00 ± 0.60 N·s/m', 'c₂ 8.0000 ± 0.0080 kN/m', 'r₂ 45.00 ± 0.45 N·s/m']);
 });
 
+test('the legend names the runs that the trends lack', () => {
+  const shown = coefficientsOf(after(dwellOf()));
+  assert.doesNotMatch(legendOf(shown), /trends/);
+  assert.match(legendOf(shown, [7]), /\. not in the trends: run 7, not read from file\.$/);
+  assert.match(legendOf(shown, [7, 9]), /runs 7, 9,/);
+});
+
 test('withheld: the reason, and what stood there is struck through with its age', () => {
   const [first] = dwellOf().elements;
   const withheld = { k: 2, identifiable: false, reason: 'y2 is disconnected', stiffness: null, damping: null, budget: [] };

@@ -137,3 +137,31 @@ test('a stream that tells anything is not opened anew, one that is silent is', a
   await pass(7);
   assert.equal(opened, 2);
 });
+
+test('the file of an earlier run that could not be read is asked for again, a few times; until then the page says what the trend lacks', async () => {
+  const run = (number) => ({ run: number, ended: new Date(START_MS).toISOString(), dwells_at: `/api/v1/runs/${number}/dwells` });
+  told.runs = { runs: [run(7), run(8)], total: 2 };
+  told['runs/7/dwells'] = new Error('timeout');
+  told['runs/8/dwells'] = new Error('timeout');
+  const feed = begin();
+  await settle();
+  assert.deepEqual(feed.trendLacks(), [8, 7]);
+  told['runs/7/dwells'] = { dwells: [finished(1)] };
+  await pass(11);
+  assert.deepEqual(feed.trendLacks(), [8]);
+  assert.equal(feed.history.of('stiffness', 1, START_MS + 1e3 * now).length, 1);
+  await pass(40);
+  assert.equal(askedOf('runs/8/dwells').length, 3);
+  assert.deepEqual(feed.trendLacks(), [8]);
+  now += 3600;
+  assert.deepEqual(feed.trendLacks(), [], 'the trend begins later');
+});
+
+test('a file may take a minute to be read', async (t) => {
+  const given = [];
+  t.mock.method(AbortSignal, 'timeout', (ms) => given.push(ms) && new AbortController().signal);
+  told.runs = { runs: [{ run: 7, ended: new Date(START_MS).toISOString(), dwells_at: '/api/v1/runs/7/dwells' }], total: 1 };
+  begin();
+  await settle();
+  assert.ok(given.at(-1) > 60_000 && given[0] === 2000, given.join());
+});
