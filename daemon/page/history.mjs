@@ -7,8 +7,9 @@ export const HOUR_MS = 3600_000;
 const MINUTE_MS = 60_000;
 // Of the current dwell a point is kept so often: 360 in an hour.
 const LIVE_MS = 10_000;
-// Points that are kept, in memory of fixed size: a page on a wall is open for months. A dwell that lasts t adds
-// 1 + t / LIVE_MS of them, so there is room for an hour of dwells of 5 s. Of shorter ones the trend reaches less far back.
+// Points that are kept, in memory of fixed size: a page on a wall is open for months. A dwell measured for t adds
+// 1 + floor(t / LIVE_MS) points, one if t is below 10 s. So there is room for an hour of dwells of 5 s. Of shorter ones the
+// trend reaches less far back.
 export const ROOM = 720;
 
 // Numbers of an element in a point: value and U95 of each coefficient. NaN: there is none.
@@ -23,14 +24,20 @@ export class History {
   #spare = Array.from({ length: ROOM }, (_, row) => makePoint(row)).reverse();
   #points = []; // oldest first
   #live = makePoint(ROOM); // the newest state of the current dwell
+  #end_s = null; // of its data
   #elements = 0; // that there is room for
   #numbers = new Float64Array(0); // by row, element, coefficient
 
-  take(dwell, ms) {
+  // A dwell of the stream. An estimation that hangs is told again and again: the trend must not go on over the outage.
+  take(dwell, nowMs) {
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
     // The last dwell of a run that was stopped stays in view.
-    if (dwell.state === 'complete') return this.takeEnded(dwell, utcMs(dwell, dwell.end_s) ?? ms);
-    if (this.#live.dwell && this.#live.dwell.key !== keyOf(dwell)) this.#keepLive();
+    if (dwell.state === 'complete') return this.takeEnded(dwell, utcMs(dwell, dwell.end_s) ?? nowMs);
+    const same = this.#live.dwell?.key === keyOf(dwell);
+    if (dwell.stale || (same && dwell.end_s === this.#end_s)) return;
+    if (this.#live.dwell && !same) this.#keepLive();
+    this.#end_s = dwell.end_s;
+    const ms = nowMs - 1e3 * (dwell.estimate_age_s ?? 0);
     this.#write(this.#live, dwell, ms);
     const before = this.#points.findLast((p) => p.dwell === this.#live.dwell);
     if (before && ms - before.ms < LIVE_MS) return;

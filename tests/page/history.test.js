@@ -18,10 +18,22 @@ test('a trend has the dwells that ended, the current one every ten seconds, and 
   const history = new History();
   history.takeEnded(withStiffness(24100, { index: 2 }), at);
   history.takeEnded(withStiffness(24100, { index: 2 }), at);
-  for (let s = 0; s <= 25; s += 1) history.take(withStiffness(24000 + s), at + 60_000 + 1e3 * s);
+  for (let s = 0; s <= 25; s += 1) history.take(withStiffness(24000 + s, { end_s: 22 + s }), at + 60_000 + 1e3 * s);
   assert.deepEqual(history.of('stiffness', 1, at + 90_000).map((p) => p.value), [24100, 24000, 24010, 24020, 24025]);
   assert.equal(history.of('stiffness', 1, at + 30_000 + HOUR_MS).length, 4, 'what is older than an hour is left out');
   assert.equal(history.of('stiffness', 9, at).length, 0);
+});
+
+test('what is told again adds nothing, and a state stands where it was new', () => {
+  const history = new History();
+  history.take(withStiffness(24000, { estimate_age_s: 0.5 }), at);
+  for (let s = 1; s <= 30; s += 1) history.take(withStiffness(24000, { estimate_age_s: 0.5 + s, stale: s > 5 }), at + 1e3 * s);
+  const points = () => history.of('stiffness', 1, at + 60_000).map((p) => [p.ms - at, p.value]);
+  assert.deepEqual(points(), [[-500, 24000]]);
+  history.take(withStiffness(24001, { end_s: 53, estimate_age_s: 0.5 }), at + 31_000);
+  assert.deepEqual(points(), [[-500, 24000], [30_500, 24001]]);
+  history.take(withStiffness(24002, { end_s: 54, stale: true }), at + 42_000);
+  assert.equal(points().length, 2);
 });
 
 test('the end of a dwell takes the place of its last point, so that short dwells cost one each', () => {
@@ -36,7 +48,7 @@ test('the end of a dwell takes the place of its last point, so that short dwells
 test('a dwell that has ended and stays in view is not drawn on, and what was counted beyond its end is left out', () => {
   const history = new History();
   const counted = utcMs(dwellOf(), dwellOf().end_s);
-  for (let s = -30; s <= 30; s += 1) history.take(withStiffness(s > 0 ? 25000 : 24000), counted + 1e3 * s);
+  for (let s = -30; s <= 30; s += 1) history.take(withStiffness(s > 0 ? 25000 : 24000, { end_s: 22 + s }), counted + 1e3 * s);
   for (let s = 31; s <= 90; s += 1) history.take(withStiffness(24001, { state: 'complete', ended_by: 'end' }), counted + 1e3 * s);
   const points = history.of('stiffness', 1, counted + 90_000);
   assert.deepEqual(points.map((p) => [(p.ms - counted) / 1e3, p.value]), [[-30, 24000], [-20, 24000], [-10, 24000], [0, 24001]]);
@@ -90,7 +102,7 @@ test('the newest dwell before stays in the trend, though the list has not told i
   const history = new History();
   history.takeEnded(withStiffness(20000, { index: 1 }), at);
   // Dwell 2 is seen for 18 s. A new run begins at once, and the service's list is empty.
-  for (let s = 0; s <= 18; s += 1) history.take(withStiffness(23900 + s, { index: 2 }), at + 60_000 + 1e3 * s);
+  for (let s = 0; s <= 18; s += 1) history.take(withStiffness(23900 + s, { index: 2, end_s: 22 + s }), at + 60_000 + 1e3 * s);
   history.take(withStiffness(24012), at + 80_000);
   assert.deepEqual(history.of('stiffness', 1, at + 80_000).map((p) => p.value), [20000, 23900, 23910, 23918, 24012]);
   history.takeEnded(withStiffness(23919, { index: 2 }), at + 79_000);
