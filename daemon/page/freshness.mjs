@@ -8,10 +8,10 @@ const moved = (before, after) => before.index !== after.index || before.state !=
   before.end_s !== after.end_s;
 
 export class Freshness {
-  // What is not renewed for so long is old, and the service is gone of which nothing is heard. The service says how long.
-  // Before it has, a question that it does not answer tells that it is gone.
+  // Seconds without renewal after which numbers are old, and without any word after which the service is gone. The service
+  // says how many. Before it has, a question that it does not answer tells that it is gone.
   old_s = Infinity;
-  #updates = 0; // or for so many of the usual times between renewals, where the rig file has them further apart
+  #updates = 0; // Numbers may be this many usual intervals old, if that is longer than old_s.
   heard_s = -Infinity; // anything from the service
   #answered_s = -Infinity; // what the page asks for once a second, all of it
   connected_s = null; // since when the service answers without a break; null: it does not

@@ -1,5 +1,5 @@
-// The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps the readings (10 min to 20 ms),
-// so a page that is paused loses nothing: it asks for what it shows.
+// The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps bins of 20 ms for 10 min, wider
+// ones for longer. A page that is paused asks for what it shows, and gets it coarser as time passes.
 import { h, rowHead, setAttributes, setText, show } from './dom.mjs';
 import { ageText, isNumber, plainText } from './number.mjs';
 import { whileDisabled } from './order.mjs';
