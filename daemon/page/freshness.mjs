@@ -2,7 +2,7 @@
 // that it says nothing. Pure: instants are seconds of one clock, given by the caller.
 
 // Whether the dwell's data must go on. Those of a dwell that has ended do not: its numbers are a result (coefficients.mjs).
-const hasData = (dwell) => dwell.state === 'settling' || dwell.state === 'measuring';
+export const hasData = (dwell) => dwell.state === 'settling' || dwell.state === 'measuring';
 
 const moved = (before, after) => before.index !== after.index || before.state !== after.state ||
   before.end_s !== after.end_s;
@@ -11,7 +11,7 @@ export class Freshness {
   // Seconds without renewal after which numbers are old, and without any word after which the service is gone. The service
   // says how many. Before it has, a question that it does not answer tells that it is gone.
   old_s = Infinity;
-  #updates = 0; // Numbers may be this many usual intervals old, if that is longer than old_s.
+  #updates = 0; // numbers may be this many usual intervals old, if that is longer than old_s
   heard_s = -Infinity; // anything from the service
   #answered_s = -Infinity; // what the page asks for once a second, all of it
   connected_s = null; // since when the service answers without a break; null: it does not

@@ -1,8 +1,7 @@
 // The polar picture and the table beside it.
 import { channelWarnings } from './coefficients.mjs';
 import { h, keyed, rowHead, s, setAttributes, setText, show } from './dom.mjs';
-import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText } from './number.mjs';
-import { placeLabels, polarOf, scalesText, shortNames } from './polar.mjs';
+import { phasorRows, placeLabels, polarOf, scalesText, shortNames } from './polar.mjs';
 
 const $ = (id) => document.getElementById(id);
 const RADIUS = 100;
@@ -41,32 +40,6 @@ function renewArrow(node, arrow, units) {
   setText(text, arrow.label);
 }
 
-const degrees = (rad) => {
-  const turn = rad / (2 * Math.PI);
-  return 360 * (turn - Math.round(turn));
-};
-
-function rowsOf(view) {
-  const { dwell, fresh, now } = view;
-  const reference = dwell.phasors.find((p) => p.valid);
-  const provisional = dwell.settled_s === null;
-  const old = fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null;
-  return dwell.phasors.map((p) => {
-    const channel = view.channels?.find((c) => c.name === p.channel);
-    const gone = view.health?.stale.includes(p.channel) ? ageText(channel?.age_s) : null;
-    const row = { key: p.channel, struck: old ?? gone, cells: [p.channel] };
-    if (!p.valid) return { ...row, reason: p.reason ?? 'no reason stated' };
-    const phase = degrees(p.phase_rad - reference.phase_rad);
-    const largest = p.harmonics.reduce((best, value, i) => (isNumber(value) && value > (best?.value ?? 0) ? { value, i } : best), null);
-    row.cells.push(
-      provisional ? plainText(p.amplitude, p.unit, 3) : joined(numberText(p.amplitude, NORMAL_95 * p.u_amplitude, p.unit)),
-      p === reference ? '0°' : provisional ? plainText(phase, '°', 3).replace(' °', '°')
-        : joined(numberText(phase, NORMAL_95 * 180 / Math.PI * p.u_relative_phase_rad, '°')).replace(' °', '°'),
-      plainText(p.mean, p.unit, 3), largest ? `${percentText(largest.value)} (${largest.i + 2}f)` : NO_NUMBER);
-    return row;
-  });
-}
-
 // What is to be known of all these numbers.
 function noteOf(dwell) {
   if (dwell.state === 'complete') return `Of dwell ${dwell.index}, which has ended: not of now.`;
@@ -98,7 +71,7 @@ export function showPhasors(view) {
   keyed($('arrows'), arrows, (arrow) => arrow.channel, makeArrow, (node, arrow) => renewArrow(node, arrow, units));
   setText($('scales'), scalesText(polar, settled));
   showNotes(view.dwell);
-  const rows = rowsOf(view);
+  const rows = phasorRows(view);
   setText($('phasors-note'), arrows.length > 0 ? noteOf(view.dwell) : '');
   keyed($('phasor-rows'), rows, (row) => `${row.key} ${row.reason !== undefined}`,
     (row) => (row.reason !== undefined ? h('tr', {}, rowHead(), h('td', { colspan: 4, class: 'words' }))

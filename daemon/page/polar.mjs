@@ -1,5 +1,6 @@
 // Phasors of all channels in one circle, and how sure each is. Pure: lengths are in units of the picture.
-import { isNumber, plainText } from './number.mjs';
+import { hasData } from './freshness.mjs';
+import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText } from './number.mjs';
 
 // Radius that holds 95 % of a normal distribution in the plane, in standard uncertainties: sqrt(-2 ln 0.05).
 export const ELLIPSE_K = 2.45;
@@ -89,4 +90,33 @@ export function shortNames(names, fits) {
   const others = (list, i) => names.filter((_, j) => j !== i && list[j] === list[i]);
   const told = short.map((text, i) => (others(short, i).length > 0 ? fromDifference(names[i], others(short, i), fits) : text));
   return told.map((text, i) => (others(told, i).length > 0 ? `${i + 1}${text.startsWith('…') ? '' : '…'}${text}` : text));
+}
+
+const degrees = (rad) => {
+  const turn = rad / (2 * Math.PI);
+  return 360 * (turn - Math.round(turn));
+};
+
+// Rows of the table: { key, struck: null, or its age as text, cells }, or in place of the cells the reason why there are
+// none.
+export function phasorRows(view) {
+  const { dwell, fresh, now } = view;
+  const reference = dwell.phasors.find((p) => p.valid);
+  const provisional = dwell.settled_s === null;
+  const old = fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null;
+  return dwell.phasors.map((p) => {
+    const channel = view.channels?.find((c) => c.name === p.channel);
+    // A channel that has gone since makes no phasor of a dwell that has ended younger or older.
+    const gone = hasData(dwell) && view.health?.stale.includes(p.channel) ? ageText(channel?.age_s) : null;
+    const row = { key: p.channel, struck: old ?? gone, cells: [p.channel] };
+    if (!p.valid) return { ...row, reason: p.reason ?? 'no reason stated' };
+    const phase = degrees(p.phase_rad - reference.phase_rad);
+    const largest = p.harmonics.reduce((best, value, i) => (isNumber(value) && value > (best?.value ?? 0) ? { value, i } : best), null);
+    row.cells.push(
+      provisional ? plainText(p.amplitude, p.unit, 3) : joined(numberText(p.amplitude, NORMAL_95 * p.u_amplitude, p.unit)),
+      p === reference ? '0°' : provisional ? plainText(phase, '°', 3).replace(' °', '°')
+        : joined(numberText(phase, NORMAL_95 * 180 / Math.PI * p.u_relative_phase_rad, '°')).replace(' °', '°'),
+      plainText(p.mean, p.unit, 3), largest ? `${percentText(largest.value)} (${largest.i + 2}f)` : NO_NUMBER);
+    return row;
+  });
 }

@@ -3,9 +3,9 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
 import { deviationOf, History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
-import { placeLabels, polarOf, scalesText, shortened, shortNames } from '../../daemon/page/polar.mjs';
+import { phasorRows, placeLabels, polarOf, scalesText, shortened, shortNames } from '../../daemon/page/polar.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
-import { dwellOf, settlingOf } from './sample.js';
+import { dwellOf, settlingOf, toldFreshness } from './sample.js';
 
 const at = Date.parse('2026-11-23T07:00:00Z');
 const withStiffness = (value, more) => {
@@ -158,6 +158,18 @@ test('before the dwell has settled no ellipse is drawn, and none is spoken of', 
   assert.equal(scalesText(polar, false), 'Circle: 4.00 mm (solid); phases to y0.');
   assert.equal(scalesText(polarOf(phasors, 100), true), 'Circle: 4.00 mm (solid); phases to y0. Ellipses hold 95 % (k = 2.45).');
   assert.equal(scalesText(polarOf([], 100), true), '');
+});
+
+test('a channel that has gone strikes its phasor while the dwell is measured, not the result of one that has ended', () => {
+  const phasors = [phasor('y0', 0.004, 1), phasor('y1', 0.002, 1)].map((p) => ({ ...p, mean: 0, harmonics: [] }));
+  const struck = (dwell) => {
+    const fresh = toldFreshness();
+    fresh.tookDwell(dwell, 100);
+    return phasorRows({ dwell, fresh, now: 100.1, health: { stale: ['y1'] }, channels: [{ name: 'y1', age_s: 5 }] }).map((row) => row.struck);
+  };
+  assert.deepEqual(struck(dwellOf({ phasors })), [null, '5.0 s']);
+  assert.deepEqual(struck(settlingOf({ phasors })), [null, '5.0 s']);
+  assert.deepEqual(struck(dwellOf({ phasors, state: 'complete' })), [null, null]);
 });
 
 test('labels do not overlap and stay beside the circle', () => {
