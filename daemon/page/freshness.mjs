@@ -2,7 +2,7 @@
 // that it says nothing. Pure: instants are seconds of one clock, given by the caller.
 
 // Whether the dwell's data must go on. Those of a dwell that has ended do not: its numbers are a result (coefficients.mjs).
-export const hasData = (dwell) => dwell.state === 'settling' || dwell.state === 'measuring';
+const hasData = (dwell) => dwell.state === 'settling' || dwell.state === 'measuring';
 
 const moved = (before, after) => before.index !== after.index || before.state !== after.state ||
   before.end_s !== after.end_s;

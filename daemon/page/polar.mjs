@@ -1,5 +1,4 @@
 // Phasors of all channels in one circle, and how sure each is. Pure: lengths are in units of the picture.
-import { hasData } from './freshness.mjs';
 import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText } from './number.mjs';
 
 // Radius that holds 95 % of a normal distribution in the plane, in standard uncertainties: sqrt(-2 ln 0.05).
@@ -106,8 +105,8 @@ export function phasorRows(view) {
   const old = fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null;
   return dwell.phasors.map((p) => {
     const channel = view.channels?.find((c) => c.name === p.channel);
-    // A channel that has gone since makes no phasor of a dwell that has ended younger or older.
-    const gone = hasData(dwell) && view.health?.stale.includes(p.channel) ? ageText(channel?.age_s) : null;
+    // Once the dwell has ended, the age of the channel's newest reading is not that of its phasor.
+    const gone = dwell.state !== 'complete' && view.health?.stale.includes(p.channel) ? ageText(channel?.age_s) : null;
     const row = { key: p.channel, struck: old ?? gone, cells: [p.channel] };
     if (!p.valid) return { ...row, reason: p.reason ?? 'no reason stated' };
     const phase = degrees(p.phase_rad - reference.phase_rad);

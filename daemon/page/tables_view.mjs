@@ -33,7 +33,7 @@ function showChannels({ channels, health, fresh, now }) {
   const old = fresh.answersOld(now);
   const since = fresh.answersAge_s(now);
   fillRows($('channel-rows'), (channels ?? []).map((c) => {
-    const bad = !isWell(c);
+    const bad = !isWell(c, health);
     const overdue = c.calibration?.overdue === true;
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
     return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s, untold: old,

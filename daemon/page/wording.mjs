@@ -157,8 +157,10 @@ export function runFact(health, dwell) {
   return { text: health.run.recorded ? 'none goes on' : 'not recorded', tone: 'calm' };
 }
 
-// Whether a channel's status is no trouble.
-export const isWell = ({ status }) => ['ok', 'held', 'gated', 'end of data'].includes(status);
+// Whether a channel's status is no trouble. A reading that is overrange now and then is none by itself: health says when
+// that is one.
+export const isWell = ({ name, status }, health) => ['ok', 'held', 'gated', 'end of data'].includes(status) ||
+  (status === 'overrange' && !health?.troubles?.some((trouble) => trouble.kind === 'channel' && trouble.channel === name));
 
 // What is wrong, each { tone, text }: beside the state, so that no trouble hides below. Channels that fail alike are told
 // together.
@@ -172,7 +174,7 @@ export function troubles({ dwell, health, channels, fresh, now }) {
     add('alarm', `channels, devices and alarms are ${ageText(fresh.answersAge_s(now))} old: the service does not tell of them`);
   const alike = new Map();
   const fails = (name, why) => alike.set(why, [...(alike.get(why) ?? []), name]);
-  const quiet = new Set(); // channels whose own status is no trouble
+  const quiet = new Set(); // channels whose own status is no trouble: of these health says why they are one
   for (const channel of channels ?? []) {
     if (isWell(channel)) quiet.add(channel.name);
     else fails(channel.name, channel.text);

@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frequencyText, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { frequencyText, isWell, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -86,6 +86,17 @@ test('what the service holds against a channel that seems well stands in the hea
   assert.deepEqual(texts(dwellOf()), ['alarm: channel y3: timeout', 'alarm: channel y2: not counted in this dwell: left out',
     'alarm: no coefficients: too few sync pulses']);
   assert.ok(!texts(idleOf({ state: 'fault' })).some((text) => /sync/.test(text)), 'the state says it');
+});
+
+test('a reading that is overrange is no trouble until the service says so', () => {
+  const channel = { name: 'y2', status: 'overrange', text: 'overrange: above 20 mm' };
+  const health = { log: { failing: false }, troubles: [{ kind: 'calibration', channel: 'y2', text: 'overdue' }] };
+  const texts = () => troubles(viewOf(dwellOf(), { health, channels: [channel] })).map((t) => `${t.tone}: ${t.text}`);
+  assert.deepEqual(texts(), ['care: overdue']);
+  assert.equal(isWell(channel, health), true);
+  health.troubles = [{ kind: 'channel', channel: 'y2', text: 'channel y2: not counted in this dwell', why: 'not counted in this dwell' }];
+  assert.deepEqual(texts(), ['alarm: channel y2: not counted in this dwell']);
+  assert.equal(isWell(channel, health), false);
 });
 
 test('channels of which the service says the same stand in one line', () => {
