@@ -48,7 +48,7 @@ function contentOf(d, from) {
 let asked = 0; // questions for a dwell so far: the answer to an older one comes too late
 
 // run: as in /api/v1/runs, the recorded run that it comes from; null: the service knows it without a file.
-export async function openDwell(brief, run) {
+export async function openDwell(brief, run, nowMs) {
   const path = run ? `${run.dwells_at}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
   setText($('dwell-title'), `Dwell ${brief.index}${run ? ` of run ${run.run}` : ''}`);
   $('dwell-json').href = path;
@@ -62,7 +62,7 @@ export async function openDwell(brief, run) {
     if (!answer.ok) throw new Error(dwell.error);
     // Indices begin anew with each run: the service has only those of the newest.
     if (!run && dwell.start_utc !== brief.start_utc) throw new Error('it belongs to an earlier run: choose that run above the table');
-    fill(contentOf(dwell, run ? fromRun(run) : null));
+    fill(contentOf(dwell, run ? fromRun(run, nowMs) : null));
   } catch (failure) {
     fill([h('p', {}, `It cannot be shown: ${failure.message}`)]);
   }

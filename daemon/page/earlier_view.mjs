@@ -52,7 +52,7 @@ export function earlierDwells({ runs: told, nowMs }) {
     setText(option, run.file === NOW ? 'the newest run' : `run ${run.run}${run.label ? `, ${run.label}` : ''}: ${run.dwells} ${run.dwells > 1 ? 'dwells' : 'dwell'}, begun ${instantText(Date.parse(run.begun), nowMs)}`));
   $('dwells-run').value = chosen?.file ?? NOW;
   const run = all.find(({ file }) => file === chosen?.file);
-  const from = run ? fromRun(run) : { tone: 'calm', text: '' };
+  const from = run ? fromRun(run, nowMs) : { tone: 'calm', text: '' };
   show($('dwells-of'), Boolean(run));
   setText($('dwells-of'), from.text);
   setAttributes($('dwells-of'), { 'data-tone': from.tone });

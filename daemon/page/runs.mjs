@@ -1,17 +1,19 @@
 // What the page says of recorded runs: whether their files were altered, and whether they can be downloaded. Pure.
-import { secondsText } from './number.mjs';
+import { instantText, secondsText } from './number.mjs';
 
 // A question that a run's file must be read for is given up after so long: the service may read for 60 s.
 export const FILE_MS = 70_000;
 
-// { tone, text } of an audit. Each state has a word and a shape; only an abnormal one has a colour.
-export function auditOf({ audit }) {
+// { tone, text } of an audit. Each state has a word and a shape; only an abnormal one has a colour. The text says when the
+// file was read: what was altered since is not known.
+export function auditOf({ audit }, nowMs) {
   if (!audit) return { tone: 'calm', text: '– not known' };
   const known = audit.trusted === false ? ', key not trusted' : '';
+  const read = audit.utc ? `, read ${instantText(Date.parse(audit.utc), nowMs)}` : '';
   switch (audit.state) {
-    case 'intact': return { tone: known ? 'care' : 'calm', text: `${known ? '◆' : '✓'} intact${known}` };
-    case 'open': return { tone: 'care', text: `◇ open${audit.until_s === null ? '' : ` until ${secondsText(audit.until_s)}`}${known}` };
-    case 'tampered': return { tone: 'alarm', text: `▲ tampered: ${audit.where}` };
+    case 'intact': return { tone: known ? 'care' : 'calm', text: `${known ? '◆' : '✓'} intact${known}${read}` };
+    case 'open': return { tone: 'care', text: `◇ open${audit.until_s === null ? '' : ` until ${secondsText(audit.until_s)}`}${known}${read}` };
+    case 'tampered': return { tone: 'alarm', text: `▲ tampered${read}: ${audit.where}` };
     case 'waiting': return { tone: 'calm', text: '… waits to be audited' };
     default: return { tone: 'calm', text: `– not audited: ${audit.reason}` };
   }
@@ -25,9 +27,9 @@ const graver = (a, b) => (TONES.indexOf(a) > TONES.indexOf(b) ? a : b);
 
 // { state, audit, tone, href, name, why } for the table. href: where the file is downloaded; null: it cannot be, and why
 // says the reason. tone: the graver one of state and audit.
-export function runOf(run) {
+export function runOf(run, nowMs) {
   const [own, shape] = ABNORMAL[run.state] ?? ['calm', ''];
-  const audit = auditOf(run);
+  const audit = auditOf(run, nowMs);
   return { state: shape + run.state, audit: audit.text, tone: graver(own, audit.tone),
     href: run.download ?? null, name: run.file, why: run.download ? '' : run.no_download ?? '' };
 }
@@ -40,8 +42,8 @@ export const olderRunsText = (shown, total) =>
 export const earlierRuns = (runs) => runs.filter((run) => run.dwells_at).reverse();
 
 // What must be known of dwells that come from a run's file.
-export function fromRun(run) {
-  const audit = auditOf(run);
+export function fromRun(run, nowMs) {
+  const audit = auditOf(run, nowMs);
   const altered = run.audit?.state === 'tampered';
   return { tone: audit.tone, text: `From the file of run ${run.run}${run.label ? `, “${run.label}”` : ''}: an earlier run. Audit: ${audit.text}${altered ? '. Do not rely on these numbers' : ''}.` };
 }

@@ -95,7 +95,7 @@ function showDwells(view) {
   keyed($('dwell-rows'), [...dwells].reverse(), (d) => keyOf(d) + heads, (d) => {
     const numbers = new Map(coefficientCells(d));
     const open = h('button', { type: 'button' }, String(d.index));
-    open.addEventListener('click', () => openDwell(d, runOfDwell(d, newest)));
+    open.addEventListener('click', () => openDwell(d, runOfDwell(d, newest), newest.nowMs));
     const cell = (text, verdict = '', doubted = false) => h('td', { 'data-verdict': verdict, 'data-doubted': doubted }, text);
     return h('tr', {}, h('th', { scope: 'row' }, open), ...['', d.settled_s === null ? 'never settled' : secondsText(d.end_s - d.settled_s),
       isNumber(d.frequency_hz.value) ? joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz')) : NO_NUMBER,
@@ -126,7 +126,7 @@ function showRuns({ runs, runsTotal, nowMs }) {
   show($('runs'), runs.length > 0);
   setText($('runs-older'), olderRunsText(runs.length, runsTotal));
   const rows = [...runs].reverse().map((r) => {
-    const words = runOf(r);
+    const words = runOf(r, nowMs);
     return { ...words, run: r.run, cells: [words.tone === 'alarm' ? `▲ ${r.run}` : String(r.run), words.state, words.audit, words.href ? 'download' : words.why || NO_NUMBER,
       r.label || NO_NUMBER, dateText(r.begun, nowMs), dateText(r.ended, nowMs), count(r.dwells), `${(r.bytes / 1e6).toFixed(1)} MB`] };
   });

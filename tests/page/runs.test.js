@@ -16,6 +16,20 @@ test('each verdict has a word and a shape, and a colour only where it is abnorma
   assert.equal(said({}), 'calm: – not known');
 });
 
+test('what was read has the instant of it, with the date where that is another day', () => {
+  const now = Date.parse('2026-11-23T14:03:30Z');
+  const text = (utc, state, more) => auditOf(audit(state, { utc, ...more }), now).text;
+  const today = '2026-11-23T14:03:07.000000Z';
+  const at = new Date(today).toLocaleTimeString('en-GB');
+  assert.equal(text(today, 'intact'), `✓ intact, read ${at}`);
+  assert.equal(text(today, 'intact', { trusted: false }), `◆ intact, key not trusted, read ${at}`);
+  assert.equal(text(today, 'open', { until_s: 12.34 }), `◇ open until 12.3 s, read ${at}`);
+  assert.equal(text(today, 'tampered', { where: 'entry 5' }), `▲ tampered, read ${at}: entry 5`);
+  assert.match(text('2026-11-20T12:00:00Z', 'intact'), /^✓ intact, read 20\/11\/2026, \d\d:00:00$/);
+  assert.equal(fromRun({ run: 3, label: '', ...audit('intact', { utc: today }) }, now).text, `From the file of run 3: an earlier run. Audit: ✓ intact, read ${at}.`);
+  assert.equal(runOf({ state: 'closed', ...audit('intact', { utc: today }) }, now).audit, `✓ intact, read ${at}`);
+});
+
 test('a run that is closed can be downloaded, any other has the reason', () => {
   const run = { run: 3, file: 'rig-3-20261123T031217Z.dwell', state: 'closed', download: '/api/v1/runs/rig-3-20261123T031217Z.dwell', no_download: null, ...audit('intact') };
   assert.deepEqual(runOf(run), { state: 'closed', audit: '✓ intact', tone: 'calm', href: run.download, name: run.file, why: '' });
