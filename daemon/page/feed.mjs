@@ -2,7 +2,7 @@
 // connection that broke is made again each second.
 import { applyChange } from './change.mjs';
 import { keyOf, LastNumbers } from './coefficients.mjs';
-import { Freshness } from './freshness.mjs';
+import { Freshness, SELDOM_MS } from './freshness.mjs';
 import { History, HOUR_MS } from './history.mjs';
 import { earlierRuns, FILE_MS } from './runs.mjs';
 import { NOT_VERIFIED, utcMs } from './wording.mjs';
@@ -10,7 +10,6 @@ import { NOT_VERIFIED, utcMs } from './wording.mjs';
 const ASK_MS = 1000;
 const ANSWER_MS = 2000; // then a question is given up; FILE_MS where a file is read
 const SILENT_S = 5; // a stream that says nothing for so long, while answers come, is opened anew
-const SELDOM_MS = 10_000; // between questions for what changes seldom
 const TRIES = 3; // to read the file of an earlier run
 const BEGAN_MS = 2000; // a beginning that is told so much later, or earlier, is another one
 const ASKED_AGAIN = 2; // dwells before the newest of the list
@@ -196,6 +195,7 @@ export class Feed {
       return this.#askEvents();
     }
     this.#nextEvent = told.next;
+    this.fresh.tookList('events', this.#now());
     this.events = [...(from ? this.events : []), ...told.events].slice(-KEPT_EVENTS);
   }
 
@@ -205,6 +205,7 @@ export class Feed {
     const newest = this.dwells.findLast((d) => d.start_utc === run);
     const from = newest ? Math.max(1, newest.index - ASKED_AGAIN) : null;
     const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from}` : ''}`);
+    this.fresh.tookList('dwells', this.#now());
     const known = new Set(list.dwells.map(keyOf));
     const { file } = list; // with each run the list begins anew
     this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells.map((d) => ({ ...d, file }))].slice(-KEPT_DWELLS);
@@ -218,6 +219,7 @@ export class Feed {
 
   async #askRuns() {
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
+    this.fresh.tookList('runs', this.#now());
     this.#askEarlier(); // it is not waited for: files are read
   }
 

@@ -1,6 +1,9 @@
 // What is known of how old everything on the page is, by the page's own clock: a service that says nothing cannot say
 // that it says nothing. Pure: instants are seconds of one clock, given by the caller.
 
+export const SELDOM_MS = 10_000; // between questions for what changes seldom: events, dwells, runs
+const LISTS_OLD_S = 2 * SELDOM_MS / 1e3; // one answer may fail
+
 // Whether the dwell's data must go on. Those of a dwell that has ended do not: its numbers are a result (coefficients.mjs).
 const hasData = (dwell) => dwell.state === 'settling' || dwell.state === 'measuring';
 
@@ -19,6 +22,7 @@ export class Freshness {
   #moved_s = -Infinity; // the dwell's data went on
   #turns = [0, 0, 0]; // times between the last renewals
   #dwell = null;
+  #lists = new Map(); // when each was told last
 
   // health: of /api/v1/health.
   told(health) {
@@ -70,6 +74,20 @@ export class Freshness {
 
   answersOld(now) {
     return this.gone(now) || this.answersAge_s(now) > this.old_s;
+  }
+
+  // An answer for a list that changes seldom.
+  tookList(name, now) {
+    this.#lists.set(name, now);
+  }
+
+  // How old it is, and whether that is too old. A list that never came is neither.
+  listAge_s(name, now) {
+    return now - (this.#lists.get(name) ?? now);
+  }
+
+  listOld(name, now) {
+    return this.#lists.has(name) && (this.gone(now) || this.listAge_s(name, now) > LISTS_OLD_S);
   }
 
   // How old the dwell's numbers are, and whether that is too old.

@@ -48,12 +48,22 @@ function showChannels({ channels, health, fresh, now }) {
       Object.entries(d.faults).map(([what, n]) => `${what}: ${count(n)}`).join(', ') || 'none'] })));
 }
 
-function showEvents({ events, health, nowMs }) {
+// Section by its name. told: its list comes from the service again and again.
+function markOld(name, { fresh, now }, told = true) {
+  const old = told && fresh.listOld(name, now);
+  $(name).classList.toggle('old', old);
+  show($(`${name}-old`), old);
+  setText($(`${name}-old`), old ? `${ageText(fresh.listAge_s(name, now))} old: the service does not tell of them` : '');
+}
+
+function showEvents(view) {
+  const { events, health, nowMs } = view;
   const least = ['info', 'warning', 'error'].indexOf($('event-level').value);
   const words = $('event-words').value.toLowerCase();
   const shown = events.filter((e) => ['info', 'warning', 'error'].indexOf(e.level) >= least && e.text.toLowerCase().includes(words))
     .slice(-EVENTS_SHOWN).reverse();
   show($('events'), health !== null);
+  markOld('events', view);
   setText($('events-none'), shown.length > 0 ? '' : events.length > 0 ? 'No event fits the filter.' : 'No events yet.');
   keyed($('event-rows'), shown, (e) => `${e.number} ${e.utc}`, (e) => h('li', { 'data-level': e.level },
     h('time', { datetime: e.utc }), h('span', { class: 'level' }, e.level === 'info' ? '' : e.level === 'error' ? '▲ error ' : '◆ warning '),
@@ -83,6 +93,7 @@ function showDwells(view) {
   const earlier = earlierDwells(view);
   const dwells = earlier?.dwells ?? view.dwells;
   show($('dwells'), health !== null);
+  markOld('dwells', view, !earlier);
   show($('dwells-table'), dwells.length > 0);
   setText($('dwells-none'), earlier?.text ?? noDwellsText(dwells, runs));
   const ks = [...new Set(dwells.flatMap((d) => d.elements.map((e) => e.k)))].sort((a, b) => a - b);
@@ -122,8 +133,10 @@ function makeRun({ name, href, run }) {
       : h('td', i + 1 === RUN_FILE - 1 ? { class: 'words' } : {}, h('span', {})))));
 }
 
-function showRuns({ runs, runsTotal, nowMs }) {
+function showRuns(view) {
+  const { runs, runsTotal, nowMs } = view;
   show($('runs'), runs.length > 0);
+  markOld('runs', view);
   setText($('runs-older'), olderRunsText(runs.length, runsTotal));
   const rows = [...runs].reverse().map((r) => {
     const words = runOf(r, nowMs);

@@ -109,3 +109,16 @@ test('a change is merged by name, and one that does not fit is passed over', () 
   assert.equal(applyChange(null, change), null);
   assert.equal(applyChange(dwell, { index: 3, state: 'measuring', elements: [{ k: 9, identifiable: true }] }), null);
 });
+
+test('a list that changes seldom is old when the service is gone, or when it was not told for two turns', () => {
+  const fresh = toldFreshness();
+  fresh.heard(100);
+  assert.equal(fresh.listOld('runs', 100), false, 'it never came');
+  fresh.tookList('runs', 100);
+  fresh.heard(120);
+  assert.deepEqual([119, 121].map((now) => fresh.listOld('runs', now)), [false, true]);
+  assert.equal(fresh.listAge_s('runs', 121), 21);
+  fresh.tookList('runs', 121);
+  fresh.heard(121);
+  assert.deepEqual([122, 124].map((now) => fresh.listOld('runs', now)), [false, true]);
+});

@@ -1,17 +1,20 @@
 // Answers that come late, or no longer.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { openBrowser, PATIENCE_MS, SIZES } from './bench.js';
 import { ScriptedService } from './scripted.js';
 
 let browser;
 let service;
 before(async () => {
-  [browser, service] = await Promise.all([openBrowser(), ScriptedService.begin()]);
+  browser = await openBrowser();
 });
-after(async () => {
-  await Promise.all([browser?.close(), service?.end()]);
+after(() => browser?.close());
+// One for each page: its time is the page's.
+beforeEach(async () => {
+  service = await ScriptedService.begin();
 });
+afterEach(() => service?.end());
 
 async function open() {
   const page = await service.open(browser, SIZES.desk);
@@ -40,5 +43,22 @@ test('the late answer for a dwell that was opened before does not replace the on
   await (await late).finished();
   await page.waitForTimeout(100);
   assert.match(await page.locator('#dwell-content').innerText(), /end of 12/);
+  await page.close();
+});
+
+test('lists that the service no longer tells of are marked as old, with their age', async () => {
+  const page = await open();
+  await page.waitForSelector('#event-rows li');
+  const marks = () => page.evaluate(() => ['dwells', 'events', 'runs'].map((id) => document.getElementById(id).classList.contains('old')));
+  const old = page.locator('#events-old');
+  assert.deepEqual(await marks(), [false, false, false]);
+  assert.equal(await old.isVisible(), false);
+  await page.route('**/api/v1/events*', (route) => route.abort());
+  await service.play(30);
+  assert.deepEqual(await marks(), [false, true, false]);
+  assert.match(await old.innerText(), /^\d\d s old: the service does not tell of them$/);
+  await page.unroute('**/api/v1/events*');
+  await service.play(12);
+  assert.deepEqual(await marks(), [false, false, false]);
   await page.close();
 });
