@@ -61,7 +61,9 @@ bool give_name(const std::string& from, const std::string& to, bool overwrite) {
     if (errno != EINVAL && errno != ENOSYS) return false;
   }
   if (overwrite) return std::rename(from.c_str(), to.c_str()) == 0;
-  return ::link(from.c_str(), to.c_str()) == 0 && ::unlink(from.c_str()) == 0;
+  if (::link(from.c_str(), to.c_str()) != 0) return false;
+  ::unlink(from.c_str());
+  return true;
 }
 
 }  // namespace

@@ -13,19 +13,20 @@ void AnchorSender::turn(const ClockPair& now, const std::vector<EndedRunFile>& e
   next_ns_ = now.raw_ns + static_cast<std::int64_t>(minutes * 60e9);
   for (const EndedRunFile& run : ended) ended_heads_.add(run.head);
   std::string lines;
-  // again: to be sent although it was sent before. The log has it already.
+  // again: to be sent although it was sent before.
   const auto add = [&](Anchor head, bool again) {
-    Digest& anchored = anchored_[head.origin];
-    const bool known = std::exchange(anchored, head.head) == head.head;
-    if (known && !again) return;
+    const bool sent = std::exchange(sent_[head.origin], head.head) == head.head;
+    if (sent && !again) return;
     head.utc = iso_utc(now.utc_ns);
     const std::string line = to_line(head);
-    if (!known) tell_({Notice::Grade::info, "anchor: " + line, 0, hex(head.head)});
+    if (std::exchange(told_[head.origin], head.head) != head.head)
+      tell_({Notice::Grade::info, "anchor: " + line, 0, hex(head.head)});
     lines += (lines.empty() ? "" : "\n") + line;
   };
   for (const Anchor& head : ended_heads_.all()) add(head, true);
   for (const Anchor& head : folder_.heads()) add(head, false);
-  if (anchored_.size() > kOriginsKnown) anchored_.clear();
+  if (sent_.size() > kOriginsKnown) sent_.clear();
+  if (told_.size() > kOriginsKnown) told_.clear();
   deliver(now, std::move(lines));
 }
 
@@ -50,6 +51,7 @@ void AnchorSender::deliver(const ClockPair& now, std::string lines) {
 void AnchorSender::take_outcomes(const ClockPair& now) {
   for (Delivered& delivered : delivered_->take()) {
     under_way_.pop_front();
+    if (!under_way_.empty()) under_way_.front() = now.raw_ns;  // only now does it begin
     if (delivered.trouble.empty()) ended_heads_.arrived(delivered.ended_heads);
     trouble_is(std::move(delivered.trouble));
   }
@@ -57,9 +59,15 @@ void AnchorSender::take_outcomes(const ClockPair& now) {
     trouble_is("not delivered within " + std::to_string(kLate_ns / 1'000'000'000) + " s");
 }
 
+void AnchorSender::settle(const ClockPair& now, std::chrono::milliseconds limit) {
+  const bool settled = wait(limit);
+  take_outcomes(now);
+  if (!settled) trouble_is("not delivered before the service ended");
+}
+
 void AnchorSender::trouble_is(std::string trouble) {
   if (!trouble.empty() && trouble_.empty()) tell_({Notice::Grade::warning, "anchor: " + trouble, 0, {}});
-  if (!trouble.empty()) anchored_.clear();  // all heads are sent again when the next anchor is due
+  if (!trouble.empty()) sent_.clear();  // all heads are sent again when the next anchor is due
   trouble_ = std::move(trouble);
 }
 

@@ -34,14 +34,16 @@ class AnchorSender {
   void turn(const ClockPair& now, const std::vector<EndedRunFile>& ended, bool run_changed);
   // Takes in how deliveries went, and tells of the first that failed.
   void take_outcomes(const ClockPair& now);
-  // Waits until all has been delivered, so long at most.
-  void settle(std::chrono::milliseconds limit) const { jobs_.settle(limit); }
+  // Waits until all has been delivered, so long at most. false: it has not.
+  bool wait(std::chrono::milliseconds limit) const { return jobs_.settle(limit); }
+  // The same as the service ends; tells what has not arrived.
+  void settle(const ClockPair& now, std::chrono::milliseconds limit);
 
   // Why the newest delivery did not arrive; empty: it did.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
 
  private:
-  static constexpr std::size_t kOriginsKnown = 1000;  // a forgotten head is anchored again
+  static constexpr std::size_t kOriginsKnown = 1000;  // a forgotten head is told and sent again
   struct Delivered {
     std::string trouble;            // empty: it arrived
     std::uint64_t ended_heads = 0;  // HeadsToArrive::added() of it
@@ -56,8 +58,8 @@ class AnchorSender {
   const std::shared_ptr<Outcomes<Delivered>> delivered_ = std::make_shared<Outcomes<Delivered>>();
   JobThread jobs_{"anchors"};
   std::int64_t next_ns_ = 0;
-  std::deque<std::int64_t> under_way_;      // when each delivery that goes on was posted
-  std::map<std::string, Digest> anchored_;  // newest head by origin
+  std::deque<std::int64_t> under_way_;         // deliveries: since when the first goes on; when the others were posted
+  std::map<std::string, Digest> told_, sent_;  // newest head by origin: in the log; under way, or arrived
   HeadsToArrive ended_heads_;
   std::string trouble_;
 };

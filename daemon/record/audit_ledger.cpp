@@ -35,7 +35,7 @@ std::string missing(const LedgerRun& run, const std::string& directory) {
 }
 
 // Runs that an anchor knows and the ledger does not: file and ledger entry were removed. And runs that have entries by
-// an anchor, and none by the ledger: the file was removed before the service could enter its end.
+// an anchor, and are deleted without one by the ledger: the file was removed before the service could enter its end.
 std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Anchor>& anchors) {
   static constexpr std::string_view kFront = "dwell/run/";
   std::map<std::string, const LedgerRun*> known;
@@ -46,7 +46,7 @@ std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Ancho
     const auto run = known.find(anchor.origin.substr(kFront.size()));
     if (run == known.end())
       others.insert("run " + anchor.origin.substr(kFront.size()) + ", which only the anchors know");
-    else if (run->second->end && run->second->end->seq == 0)
+    else if (run->second->deleted && run->second->end && run->second->end->seq == 0)
       others.insert(name_of(*run->second) + " has no entry by the ledger; the anchors know one");
   }
   return {others.begin(), others.end()};

@@ -12,7 +12,7 @@ Housekeeper::Housekeeper(const HousekeepingOptions& options, RunFolder& folder, 
       tell_(std::move(tell)),
       jobs_("runs"),
       anchors_(options.anchor, folder, tell_),
-      deleter_({options.directory, options.retention, options.clock_synchronized}, folder, *list_, jobs_, tell_),
+      deleter_({options.directory, options.retention, options.clock_synchronized}, folder, list_, jobs_, tell_),
       audits_(options.directory) {}
 
 void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {

@@ -39,7 +39,7 @@ class Housekeeper {
   void turn(const ClockPair& now, const ListedRun* recorded);
 
   // The service ends: waits until the last anchors have arrived, so long at most.
-  void settle(std::chrono::milliseconds limit) const { anchors_.settle(limit); }
+  void settle(const ClockPair& now, std::chrono::milliseconds limit) { anchors_.settle(now, limit); }
 
   // Why the newest anchor did not arrive; empty: it did.
   [[nodiscard]] const std::string& anchor_trouble() const noexcept { return anchors_.trouble(); }

@@ -129,7 +129,7 @@ struct Recorder::Impl {
     folder.settle();
     tell_failures();
     if (readiness.open()) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
-    keeper.settle(kLastAnchor);
+    keeper.settle({raw_now_ns(), utc_now_ns()}, kLastAnchor);
     enter_signatures();
   }
 

@@ -3,7 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
+#include <set>
+#include <string_view>
 #include <utility>
 
 namespace dwell::record {
@@ -17,8 +20,9 @@ std::string size_text(std::uint64_t bytes) {
 
 }  // namespace
 
-RunDeleter::RunDeleter(RetentionOptions options, RunFolder& folder, RunList& list, JobThread& jobs, Tell tell)
-    : options_(std::move(options)), folder_(folder), list_(list), jobs_(jobs), tell_(std::move(tell)) {}
+RunDeleter::RunDeleter(RetentionOptions options, RunFolder& folder, std::shared_ptr<RunList> list, JobThread& jobs,
+                       Tell tell)
+    : options_(std::move(options)), folder_(folder), list_(std::move(list)), jobs_(jobs), tell_(std::move(tell)) {}
 
 void RunDeleter::watch_clock(const ClockPair& now) {
   if (options_.policy.days) doubt_ = age_doubt_.at(now, options_.clock_synchronized());
@@ -27,7 +31,7 @@ void RunDeleter::watch_clock(const ClockPair& now) {
 void RunDeleter::turn(const ClockPair& now, const ListedRun* recorded, bool run_changed) {
   if (!doubt_.empty()) std::erase_if(deletions_, [](const Deletion& deletion) { return deletion.by_age; });
   if (run_changed || now.raw_ns >= next_look_ns_) {
-    next_look_ns_ = now.raw_ns + (run_changed ? kListed_ns : kPeriod_ns);
+    next_look_ns_ = now.raw_ns + (run_changed || next_look_ns_ == 0 ? kListed_ns : kPeriod_ns);
     choose(now, recorded);
   }
   if (deletions_.empty() || jobs_.full()) return;
@@ -54,7 +58,7 @@ void RunDeleter::choose(const ClockPair& now, const ListedRun* recorded) {
 }
 
 ListedRuns RunDeleter::deletable(const ListedRun* recorded) const {
-  ListedRuns runs = *list_.all();
+  ListedRuns runs = *list_->all();
   for (ListedRun& run : runs) {
     run.kept = run.kept || !folder_.knows(run.run, run.file);
     if (recorded != nullptr && run.file == recorded->file) run.bytes = recorded->bytes;
@@ -66,14 +70,11 @@ std::vector<Deletion> RunDeleter::chosen_of(ListedRuns& runs, const RetentionPol
                                             std::int64_t now_utc_ns) const {
   for (;;) {
     std::vector<Deletion> chosen = choose_deletions(runs, policy, now_utc_ns);
-    bool again = false;
-    for (ListedRun& run : runs) {
-      const auto names = [&run](const Deletion& deletion) { return deletion.run.file == run.file; };
-      if (run.kept || std::none_of(chosen.begin(), chosen.end(), names)) continue;
-      run.kept = is_kept(options_.directory, run.file);
-      again = again || run.kept;
-    }
-    if (!again) return chosen;
+    std::set<std::string_view> kept;
+    for (const Deletion& deletion : chosen)
+      if (is_kept(options_.directory, deletion.run.file)) kept.insert(deletion.run.file);
+    if (kept.empty()) return chosen;
+    for (ListedRun& run : runs) run.kept = run.kept || kept.contains(run.file);
   }
 }
 
@@ -85,13 +86,16 @@ void RunDeleter::erase(const Deletion& deletion) {
            run.file + " is not deleted, for the ledger could not be told: " + told.error(),
            run.run,
            {}});
+    deletions_.clear();  // the others would fail alike
     return;
   }
-  list_.remove(run.file);
+  list_->remove(run.file);
   const std::string text = run.file + " deleted, " + size_text(run.bytes) + ": " + deletion.why;
-  jobs_.post([path = options_.directory + "/" + run.file, text, number = run.run, unlinked = unlinked_](const auto&) {
-    const bool gone = unlink(path.c_str()) == 0;
+  jobs_.post([path = options_.directory + "/" + run.file, file = run.file, text, number = run.run, list = list_,
+              unlinked = unlinked_](const auto&) {
+    const bool gone = unlink(path.c_str()) == 0 || errno == ENOENT;
     for (const char* part : {"-wal", "-shm"}) unlink((path + part).c_str());
+    list->remove(file);  // a job before this one may have listed it anew
     const auto grade = gone ? Notice::Grade::info : Notice::Grade::warning;
     unlinked->put({grade, gone ? text : path + " could not be deleted", number, {}});
   });

@@ -32,8 +32,8 @@ class RunDeleter {
   // After a run has begun or ended: by then the list has the final size of the one that has ended.
   static constexpr std::int64_t kListed_ns = 10'000'000'000;
 
-  // Folder, list and jobs outlive it.
-  RunDeleter(RetentionOptions options, RunFolder& folder, RunList& list, JobThread& jobs, Tell tell);
+  // Folder and jobs outlive it.
+  RunDeleter(RetentionOptions options, RunFolder& folder, std::shared_ptr<RunList> list, JobThread& jobs, Tell tell);
 
   // Call at each turn, also while the list is not complete yet: watches for steps of the computer's clock.
   void watch_clock(const ClockPair& now);
@@ -55,7 +55,7 @@ class RunDeleter {
 
   const RetentionOptions options_;
   RunFolder& folder_;
-  RunList& list_;
+  const std::shared_ptr<RunList> list_;
   JobThread& jobs_;
   const Tell tell_;
   const std::shared_ptr<Outcomes<Notice>> unlinked_ = std::make_shared<Outcomes<Notice>>();

@@ -88,16 +88,15 @@ Result<Found> look_into(const std::string& directory, CutOffRun run) {
   if (!reader) return tl::unexpected(reader.error());
   const auto first = reader->next();
   if (!first) return tl::unexpected(first.error());
+  if (!*first) return found;
   const auto last = last_entry(*reader);
   if (!last) return tl::unexpected(last.error());
   found.head = hex(last->head);
   found.seq = last->entry.seq;
   found.closed = last->entry.kind == "end" || last->entry.kind == "signature";
-  if (*first) {
-    const auto header = parse_run_header((*first)->entry.body);
-    const auto began_ns = header ? parse_utc(header->start_utc) : tl::unexpected(header.error());
-    if (began_ns) found.run.until_utc = iso_utc(*began_ns + last->entry.t_ns - (*first)->entry.t_ns);
-  }
+  const auto header = parse_run_header((*first)->entry.body);
+  const auto began_ns = header ? parse_utc(header->start_utc) : tl::unexpected(header.error());
+  if (began_ns) found.run.until_utc = iso_utc(*began_ns + last->entry.t_ns - (*first)->entry.t_ns);
   return found;
 }
 

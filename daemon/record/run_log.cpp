@@ -135,8 +135,10 @@ void RunLog::gap(std::uint64_t lost) {
     end_now(why);
     interrupted(run + " ended: " + text);
     stop(text);
+  } else if (run_) {
+    end_now(why);
+    stop(text);  // another run may have begun in what is lost
   } else {
-    if (run_) end_now(why);
     options_.tell({Notice::Grade::error, text, 0, {}});
   }
   cutter_.clear();
@@ -271,8 +273,11 @@ void RunLog::end_now(const std::string& why, bool another) {
 
 // The reserve takes the batch that the disk refused, and the reason.
 void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
-  // The run has ended already: nothing stops.
-  if (!run_->ending.empty()) return close(std::move(batch), run_->ending);
+  if (!run_->ending.empty()) {  // the run has ended already: nothing stops
+    std::vector<NewEntry> notes = take_notes(run_->last_t_ns);
+    batch.insert(batch.end(), std::make_move_iterator(notes.begin()), std::make_move_iterator(notes.end()));
+    return close(std::move(batch), run_->ending);
+  }
   const std::string run = named(run_->header);
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;

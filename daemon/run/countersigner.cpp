@@ -1,5 +1,6 @@
 #include "daemon/run/countersigner.hpp"
 
+#include <pthread.h>
 #include <pwd.h>
 #include <sys/stat.h>
 
@@ -158,6 +159,7 @@ void Countersigner::ask(SignRequest request, Done done) {
 }
 
 void Countersigner::run() {
+  pthread_setname_np(pthread_self(), "sign");
   std::unique_lock lock(mutex_);
   while (true) {
     job_came_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });

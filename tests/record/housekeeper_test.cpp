@@ -139,11 +139,11 @@ TEST_F(HousekeeperTest, AHeadWhoseDeliveryFailedIsInTheOneThatWasUnderWayWithIt)
   AnchorSender sender({1.0, heads, {}}, folder, notices.tell());
   const RunHeader first = record_run(false);
   sender.turn({0, kMidnight_utc_ns}, folder.take_ended(), true);
-  sender.settle(std::chrono::seconds(30));
+  EXPECT_TRUE(sender.wait(std::chrono::seconds(30)));
   std::filesystem::create_directory(scratch.path("share"));
   const RunHeader second = record_run(false);
   sender.turn({1, kMidnight_utc_ns}, folder.take_ended(), true);
-  sender.settle(std::chrono::seconds(30));
+  EXPECT_TRUE(sender.wait(std::chrono::seconds(30)));
   sender.take_outcomes({2, kMidnight_utc_ns});
   EXPECT_EQ(sender.trouble(), "");
   EXPECT_TRUE(sent(first));
@@ -162,7 +162,7 @@ TEST_F(HousekeeperTest, AnAnchorThatIsUnderWayForAMinuteIsATrouble) {
   sender.take_outcomes({AnchorSender::kLate_ns + 1, kMidnight_utc_ns});
   EXPECT_EQ(sender.trouble(), "not delivered within 60 s");
   scratch.write("go on", "");
-  sender.settle(std::chrono::seconds(30));
+  EXPECT_TRUE(sender.wait(std::chrono::seconds(30)));
   sender.take_outcomes({AnchorSender::kLate_ns + 2, kMidnight_utc_ns});
   EXPECT_EQ(sender.trouble(), "");
 }
@@ -186,7 +186,7 @@ TEST_F(HousekeeperTest, InPlaceOfARunThatIsProtectedMeanwhileTheNextOneIsDeleted
   RetentionPolicy policy;
   policy.gigabytes = static_cast<double>(bytes) * 0.8e-9;
   JobThread jobs("runs");
-  RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, *list, jobs, notices.tell());
+  RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, list, jobs, notices.tell());
   deleter.turn({0, kMidnight_utc_ns}, nullptr, false);
   ASSERT_TRUE(jobs.settle(std::chrono::seconds(30)));
   deleter.take_outcomes();

@@ -145,10 +145,16 @@ TEST_F(InterruptedRecording, AFullDiskAfterTheEndOfARunStopsNothingAndTheRunKeep
   stream.starts();
   stream.play(2.5);
   stream.ends();
+  log.result(handed.size(), true, Dwell());
   store.full = true;
   stream.play(1.5);
   ASSERT_TRUE(store.runs[0].closed);
   EXPECT_EQ(end_of(store.runs[0]).why, "drive stopped");
+  const auto results = [](const MemoryRun& run) {
+    return std::count_if(run.entries.begin(), run.entries.end(),
+                         [](const NewEntry& entry) { return entry.kind == "result"; });
+  };
+  EXPECT_EQ(results(store.runs[0]), 1);
   EXPECT_EQ(log.stopped(), "");
   EXPECT_FALSE(told("recording stops"));
   store.full = false;
@@ -156,6 +162,7 @@ TEST_F(InterruptedRecording, AFullDiskAfterTheEndOfARunStopsNothingAndTheRunKeep
   stream.play(1.5);
   ASSERT_EQ(store.runs.size(), 2u);
   EXPECT_EQ(store.runs[1].header.begun_by, "drive");
+  EXPECT_EQ(results(store.runs[1]), 0) << "it is the other run's";
 }
 
 }  // namespace
