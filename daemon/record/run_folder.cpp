@@ -1,6 +1,5 @@
 #include "daemon/record/run_folder.hpp"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -16,8 +15,6 @@
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/key_file.hpp"
-#include "daemon/record/last_entry.hpp"
-#include "daemon/record/ledger_book.hpp"
 #include "daemon/record/prepared_run.hpp"
 #include "daemon/record/random_id.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -27,29 +24,6 @@ namespace {
 
 constexpr const char* kClosed = "closed";
 constexpr const char* kCutOff = "cut off";
-
-std::string file_of_run(const std::string& directory, std::int64_t run) {
-  std::error_code failed;
-  for (std::filesystem::directory_iterator entry(directory, failed), none; !failed && entry != none;
-       entry.increment(failed)) {
-    std::string name = entry->path().filename().string();
-    if (run_of_file_name(name) == run) return name;
-  }
-  return {};
-}
-
-bool is_there(const std::string& directory, const std::string& name) {
-  std::error_code failed;
-  return std::filesystem::exists(directory + "/" + name, failed);
-}
-
-// Whether different files stand at the two names.
-bool are_two_files(const std::string& a, const std::string& b) {
-  struct stat one {
-  }, other{};
-  return lstat(a.c_str(), &one) == 0 && lstat(b.c_str(), &other) == 0 &&
-         (one.st_dev != other.st_dev || one.st_ino != other.st_ino);
-}
 
 Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entries) {
   for (const NewEntry& entry : entries) {
@@ -61,43 +35,6 @@ Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entr
   auto committed = file.commit();
   if (!committed) file.roll_back();
   return committed;
-}
-
-// Runs that ended without a committed entry, but are not entered as deleted: a crash came between the two entries of
-// the ledger.
-Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory) {
-  const auto book = read_book(directory + "/ledger.dwell-ledger");
-  if (!book) return tl::unexpected(book.error());
-  std::vector<std::int64_t> runs;
-  for (const auto& [number, run] : book->runs())
-    if (run.end && run.end->seq == 0 && !run.deleted && !is_there(directory, run.file)) runs.push_back(number);
-  return runs;
-}
-
-// The end of a file that nobody writes any more.
-struct Found {
-  CutOffRun run;
-  std::string head;
-  std::int64_t seq = 0;
-  bool closed = false;
-};
-
-Result<Found> look_into(const std::string& directory, CutOffRun run) {
-  Found found{std::move(run), {}, 0, false};
-  auto reader = ChainReader::open(directory + "/" + found.run.file, ChainSort::run);
-  if (!reader) return tl::unexpected(reader.error());
-  const auto first = reader->next();
-  if (!first) return tl::unexpected(first.error());
-  if (!*first) return found;
-  const auto last = last_entry(*reader);
-  if (!last) return tl::unexpected(last.error());
-  found.head = hex(last->head);
-  found.seq = last->entry.seq;
-  found.closed = last->entry.kind == "end" || last->entry.kind == "signature";
-  const auto header = parse_run_header((*first)->entry.body);
-  const auto began_ns = header ? parse_utc(header->start_utc) : tl::unexpected(header.error());
-  if (began_ns) found.run.until_utc = iso_utc(*began_ns + last->entry.t_ns - (*first)->entry.t_ns);
-  return found;
 }
 
 }  // namespace
@@ -130,11 +67,11 @@ struct RunFolder::Impl {
   Result<void> tell_of_cut_off() {
     Ledger& ledger = signs->ledger;
     if (ledger.running() == 0) return {};
-    Found found;
+    FileEnd found;
     found.run.run = ledger.running();
     if (std::string known = ledger.file_of(found.run.run); is_there(options.directory, known)) {
       found.run.file = std::move(known);
-      if (auto seen = look_into(options.directory, found.run))
+      if (auto seen = end_of_file(options.directory, found.run))
         found = std::move(*seen);
       else
         found.run.trouble = seen.error();

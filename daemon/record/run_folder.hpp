@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "daemon/record/anchor.hpp"
+#include "daemon/record/cut_off_run.hpp"
 #include "daemon/record/run_store.hpp"
 
 namespace dwell::record {
@@ -24,14 +25,6 @@ struct FolderOptions {
   // Room that must be free beside the reserve before a run begins: 100 s of 64 channels at 10 kHz. Halved, recording
   // may stop again at once. Doubled, a small disk is refused although it would do.
   std::int64_t room_bytes = 256'000'000;
-};
-
-// A run that a crash or a loss of power ended.
-struct CutOffRun {
-  std::int64_t run = 0;
-  std::string file;       // its name in the directory; empty: there is none
-  std::string until_utc;  // of its last entry; empty: not known
-  std::string trouble;    // why its file cannot be read, so that the ledger has no head of it; empty: it can
 };
 
 // A run that has ended, as it is to be listed and anchored.
