@@ -41,6 +41,7 @@ test('what the links of the head lead to is below the head', async () => {
 
 test('backwards by keyboard, nothing that has the focus is under the head', async () => {
   const page = await open(SIZES.desk);
+  await page.waitForFunction(() => [...document.querySelectorAll('#operate button, #operate input')].some((node) => node.offsetParent));
   await page.evaluate(() => {
     window.scrollTo(0, document.body.scrollHeight);
     [...document.querySelectorAll('#operate button, #operate input')].filter((node) => node.offsetParent).at(-1).focus();

@@ -64,6 +64,7 @@ test('registers are refreshed more slowly than they are polled: the numbers may 
     const shown = (await numbers(page))[0], number = shown.match(/^([\d.]+) ± ([\d.]+) kN\/m$/);
     assert.ok(number, `${shown} in:\n${await page.innerText('body')}`);
     const [value, U] = number.slice(1).map(Number);
-    assert.ok(U > 0.1 && Math.abs(value - 24) < 2 * U, `${value} ± ${U}`);
+    // Registers that are new at each poll give 0.025.
+    assert.ok(U > 0.05 && Math.abs(value - 24) < 2 * U, `${value} ± ${U}`);
     assert.equal(await page.locator('#state').getAttribute('data-tone'), 'calm');
   }));
