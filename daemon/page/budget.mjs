@@ -7,6 +7,7 @@ const SHOWN = 5;
 const ADVICE = {
   noise: () => 'measure longer',
   scale: ({ channel }) => `calibrate the scale of ${channel}`,
+  refresh: ({ channel }) => `have ${channel} refreshed more often`,
   delay: ({ channel, device }) => `measure the delay of ${channel ?? device}`,
   turnaround: ({ device }) => `measure the delay of ${device}`,
   'low-pass': ({ channel }) => `state the filter of ${channel} more exactly`,

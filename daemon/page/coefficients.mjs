@@ -140,7 +140,7 @@ export function legendOf(shown, trendLacks = []) {
   if (shown.unstated.length > 0)
     parts.push(`± covers noise, clock and what the rig file states; not stated: ${shown.unstated.join(', ')}`);
   if (trendLacks.length > 0)
-    parts.push(`not in the trends: ${trendLacks.length > 1 ? 'runs' : 'run'} ${trendLacks.join(', ')}, not read from file`);
+    parts.push(`the trends lack ${trendLacks.length > 1 ? 'runs' : 'run'} ${trendLacks.join(', ')}: no file of theirs could be read`);
   return `${parts.join('. ')}.`;
 }
 

@@ -67,10 +67,10 @@ export function keyed(parent, items, keyOf, make, renew) {
 // Draws at most `times` a second: nobody reads a table faster, and ten times a second it would be most of the load. The
 // first answers are drawn at once.
 export function atMost(times, draw) {
-  let last = -1;
+  let last = null; // none before the first answers
   return (view) => {
-    const turn = view.channels === null ? -1 : Math.floor(times * view.now);
-    if (turn === last && turn >= 0) return;
+    const turn = view.channels === null ? null : Math.floor(times * view.now);
+    if (turn !== null && turn === last) return;
     last = turn;
     draw(view);
   };

@@ -7,6 +7,8 @@ export const HOUR_MS = 3600_000;
 const MINUTE_MS = 60_000;
 // Of the current dwell a point is kept so often: 360 in an hour.
 const LIVE_MS = 10_000;
+// Between two of them more than one is missing.
+const JOINED_MS = 2.5 * LIVE_MS;
 // Points that are kept, in memory of fixed size: a page on a wall is open for months. A dwell measured for t adds
 // 1 + floor(t / LIVE_MS) points, one if t is below 10 s. So there is room for an hour of dwells of 5 s. Of shorter ones the
 // trend reaches less far back.
@@ -165,8 +167,8 @@ export function deviationOf(dwell, coefficient, k, nowMs) {
   return { moved: move.moved, text: `${move.moved ? 'moved by ' : ''}${sign}${value} ± ${u} % since ${which}` };
 }
 
-// Where a trend is drawn, in a box of this size: the band value ± U95 and the line in its middle, as paths; dwells are
-// not joined. What is known fills the width: a minute at least, an hour at most. The newest value ± its U95 takes half
+// Where a trend is drawn, in a box of this size: the band value ± U95 and the line in its middle, as paths. Dwells are not
+// joined, nor the points around an outage of one: nobody knows what was in between. What is known fills the width: a minute at least, an hour at most. The newest value ± its U95 takes half
 // the height, or less where an older value was further away; wider bands, as at a dwell's beginning, are cut off at the
 // edge. null: nothing to draw.
 export function trendPaths(points, nowMs, width, height) {
@@ -181,13 +183,16 @@ export function trendPaths(points, nowMs, width, height) {
   let band = '';
   const pieces = [];
   for (const point of points) {
-    if (pieces.at(-1)?.at(-1).key === point.key) pieces.at(-1).push(point);
+    const before = pieces.at(-1)?.at(-1);
+    if (before?.key === point.key && point.ms - before.ms <= JOINED_MS) pieces.at(-1).push(point);
     else pieces.push([point]);
   }
   for (const piece of pieces) {
-    // Before its first point is known, that holds from the beginning of its data; each is at least as wide as a stroke.
+    // What the first point of a dwell tells holds from the beginning of its data. Each piece is at least as wide as a
+    // stroke.
     const [first] = piece;
-    const ends = [{ ...first, ms: Math.min(first.from, first.ms - 3 * reach / width) }, ...piece];
+    const begins = points.find((p) => p.key === first.key) === first;
+    const ends = [{ ...first, ms: Math.min(begins ? first.from : first.ms, first.ms - 3 * reach / width) }, ...piece];
     line += `M${ends.map((p) => `${x(p)} ${y(p.value)}`).join('L')}`;
     band += `M${ends.map((p) => `${x(p)} ${y(p.value + p.U95)}`).join('L')}L${[...ends].reverse().map((p) => `${x(p)} ${y(p.value - p.U95)}`).join('L')}Z`;
   }

@@ -103,7 +103,7 @@ function showDwells(view) {
       ks.map((k) => letter + subscript(k))), 'model', 'ended by'].map((title) => h('th', { scope: 'col' }, title)));
   }
   setText($('dwells-marks'), dwellMarksText(dwells));
-  keyed($('dwell-rows'), [...dwells].reverse(), (d) => keyOf(d) + heads, (d) => {
+  keyed($('dwell-rows'), [...dwells].reverse(), (d) => keyOf(d) + heads + JSON.stringify(coefficientCells(d)), (d) => {
     const numbers = new Map(coefficientCells(d));
     const open = h('button', { type: 'button' }, String(d.index));
     open.addEventListener('click', () => openDwell(d, runOfDwell(d, newest), newest.nowMs));

@@ -35,7 +35,7 @@ test('measured: every coefficient with its ± and unit', () => {
 test('the legend names the runs that the trends lack', () => {
   const shown = coefficientsOf(after(dwellOf()));
   assert.doesNotMatch(legendOf(shown), /trends/);
-  assert.match(legendOf(shown, [7]), /\. not in the trends: run 7, not read from file\.$/);
+  assert.match(legendOf(shown, [7]), /\. the trends lack run 7: no file of theirs could be read\.$/);
   assert.match(legendOf(shown, [7, 9]), /runs 7, 9,/);
 });
 

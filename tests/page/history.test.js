@@ -129,6 +129,15 @@ test('a trend is drawn within its box, dwells apart', () => {
   assert.doesNotMatch(trendPaths([{ ms: at, from: at, value: 0, U95: 0, key: 'a' }], at, 100, 32).line, /NaN/);
 });
 
+test('the points of a dwell around an outage are not joined', () => {
+  const point = (s, value) => ({ ms: at - 1e3 * s, from: at - 240_000, value, U95: 1, key: 'a' });
+  const { line } = trendPaths([point(220, 10), point(210, 10), point(20, 12), point(10, 12), point(0, 12)], at, 100, 32);
+  const pieces = line.split('M').slice(1).map((piece) => piece.split('L').map((xy) => Number(xy.split(' ')[0])));
+  assert.equal(pieces.length, 2);
+  assert.equal(pieces[0][0], 0, 'the first point of the dwell holds from the beginning of its data');
+  assert.ok(pieces[1][0] > 85, `the second piece begins at ${pieces[1][0]}: after the outage`);
+});
+
 test('the wide band at a dwell\'s beginning does not flatten the hour', () => {
   const points = [{ ms: at - 3000, from: at - 4000, value: 10.1, U95: 5, key: 'a' }, { ms: at, from: at - 4000, value: 10, U95: 0.1, key: 'a' }];
   const { line, band } = trendPaths(points, at, 100, 32);

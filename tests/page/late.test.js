@@ -41,8 +41,23 @@ test('the late answer for a dwell that was opened before does not replace the on
   const late = page.waitForResponse(/dwells\/11$/);
   release();
   await (await late).finished();
-  await page.waitForTimeout(100);
+  await service.play(2); // waits until all answers are taken and drawn
   assert.match(await page.locator('#dwell-content').innerText(), /end of 12/);
+  await page.close();
+});
+
+// The row was made once, and its numbers stood there as good.
+test('a doubt that is told after the end of a dwell marks its row', async () => {
+  const page = await open();
+  const row = page.locator('#dwell-rows tr', { has: page.locator('button', { hasText: /^12$/ }) });
+  assert.doesNotMatch(await row.innerText(), /\?/);
+  await page.route(/\/api\/v1\/dwells\?/, async (route) => {
+    const answer = await (await route.fetch()).json();
+    const doubts = [{ elements: [], what: 'the mass is wrong' }];
+    await route.fulfill({ json: { ...answer, dwells: answer.dwells.map((d) => (d.index === 12 ? { ...d, doubts } : d)) } });
+  });
+  await service.play(12);
+  await page.locator('#dwell-rows tr', { has: page.locator('button', { hasText: /^12$/ }), hasText: '?' }).waitFor();
   await page.close();
 });
 
