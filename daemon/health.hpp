@@ -60,7 +60,7 @@ struct Health {
 
 // Time since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.
 [[nodiscard]] double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
-// Whether the estimate is old: kOldAfter_s, more than twice the longest `update` of a rig file.
+// Whether the estimate is older than kOldAfter_s. `update` of a rig file is 1 s at most, so two estimates are missing.
 [[nodiscard]] bool is_overdue(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 
 // trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should be.

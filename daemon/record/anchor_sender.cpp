@@ -13,18 +13,16 @@ void AnchorSender::turn(const ClockPair& now, const std::vector<EndedRunFile>& e
   next_ns_ = now.raw_ns + static_cast<std::int64_t>(minutes * 60e9);
   for (const EndedRunFile& run : ended) ended_heads_.add(run.head);
   std::string lines;
-  // again: to be sent although it was sent before.
-  const auto add = [&](Anchor head, bool again) {
-    const bool sent = std::exchange(sent_[head.origin], head.head) == head.head;
-    if (sent && !again) return;
+  const auto add = [&](Anchor head) {
     head.utc = iso_utc(now.utc_ns);
     const std::string line = to_line(head);
     if (std::exchange(told_[head.origin], head.head) != head.head)
       tell_({Notice::Grade::info, "anchor: " + line, 0, hex(head.head)});
     lines += (lines.empty() ? "" : "\n") + line;
   };
-  for (const Anchor& head : ended_heads_.all()) add(head, true);
-  for (const Anchor& head : folder_.heads()) add(head, false);
+  for (const Anchor& head : ended_heads_.all()) add(head);
+  for (const Anchor& head : folder_.heads())
+    if (std::exchange(sent_[head.origin], head.head) != head.head) add(head);
   if (sent_.size() > kOriginsKnown) sent_.clear();
   if (told_.size() > kOriginsKnown) told_.clear();
   deliver(now, std::move(lines));

@@ -58,8 +58,9 @@ class AnchorSender {
   const std::shared_ptr<Outcomes<Delivered>> delivered_ = std::make_shared<Outcomes<Delivered>>();
   JobThread jobs_{"anchors"};
   std::int64_t next_ns_ = 0;
-  std::deque<std::int64_t> under_way_;         // deliveries: since when the first goes on; when the others were posted
-  std::map<std::string, Digest> told_, sent_;  // newest head by origin: in the log; under way, or arrived
+  std::deque<std::int64_t> under_way_;  // deliveries: since when the first goes on; when the others were posted
+  // Newest head by origin: in the log; under way or arrived, of the ledger and the newest run.
+  std::map<std::string, Digest> told_, sent_;
   HeadsToArrive ended_heads_;
   std::string trouble_;
 };

@@ -180,7 +180,7 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   const PersonalSignature& signature = *read;
   if (signature.seq != row.entry.seq - 1 || signature.head != audit_.head)
     return fails(place + "signs another head than that of the entry before it");
-  if (row.entry.t_ns != end_ns_) return fails(place + "its instant is not that of the entry \"end\"");
+  if (row.entry.t_ns != end_ns_) return fails(place + "its t_ns differs from that of the \"end\" entry");
   // No note covers this entry, and the person's own note not all of it.
   if (!signature.vkey.empty() && row.entry.body != to_json(signature))
     return fails(place + "its body is not exactly that of a signature by a person's own key");
@@ -312,7 +312,7 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
     Result<Audit> audit =
         look(path, options, every_signature, anchors->all, ledger && ledger->verifies() ? ledger.get() : nullptr);
     if (!audit) {
-      if (audit.error().cause() != Cause::read_again || ++tries > kAuditTries) return audit;
+      if (audit.error().cause() != Cause::read_again || ++tries > kReadTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {
       // The newest signature alone does not tell where the first thing is that does not hold.
       every_signature = true;

@@ -72,7 +72,7 @@ inline constexpr const char* kAuditStopped = "the audit was given up";
 // A file that is no run file counts as tampered, with the reason. A ledger, a -wal and the reserve of a recording
 // directory are told by name and content: for these the audit fails and says what the file is. It fails likewise for a
 // file of a newer format. It fails too if the run file, the ledger or an anchor file does not exist or may not be read,
-// or if a writer altered the run file during each of kAuditTries passes.
+// or if a writer altered the run file during each of kReadTries passes.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {

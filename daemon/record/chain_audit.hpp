@@ -76,7 +76,4 @@ class KnownHeads {
 // Reads files of anchors. Fails as read_anchors().
 [[nodiscard]] Result<Anchors> read_all_anchors(const std::vector<std::string>& paths);
 
-// How often a file is read again if its writer closes it meanwhile.
-inline constexpr int kAuditTries = 5;
-
 }  // namespace dwell::record

@@ -37,8 +37,9 @@ std::size_t most_bytes(std::string_view kind) {
   return kind == "stream" ? static_cast<std::size_t>(ChainReader::kMaxBody) : kMaxJson;
 }
 
-// While the connection is open, no other one can open the file, and SQLite needs no -shm.
-// A closed file gets its log back without a -journal on the disk: an audit at that moment would name it.
+// While the connection is open, no other one can open the file, and SQLite needs no -shm. To reopen a closed file,
+// SQLite changes its mode in a transaction. The rollback journal of that stays in memory: an audit at that moment would
+// report a -journal on the disk as tampering.
 bool set_up(sqlite3* database) {
   return execute(database, "PRAGMA locking_mode = EXCLUSIVE") &&
          (first_text(database, "PRAGMA journal_mode") == "wal" ||
@@ -71,9 +72,8 @@ bool synchronize_directory(const std::string& path) {
   return synchronize(directory.empty() ? "." : directory, O_DIRECTORY);
 }
 
-// An empty chain at `path`, whole from the instant at which it has that name. That it has it survives a loss of power
-// with the first commit: SQLite synchronizes the directory for the log that it makes there. While the file is made its
-// steps need not survive; so SQLite waits for the disk at none of them, and one wait is enough.
+// Makes an empty chain under another name, waits for the disk once, then renames the file to `path`. The rename
+// survives a loss of power from the first commit on: SQLite then synchronizes the directory for the -wal.
 Result<void> make_file(const std::string& path, ChainSort sort) {
   const std::string unfinished = path + ".new";
   std::error_code ignored;

@@ -17,7 +17,7 @@ Housekeeper::Housekeeper(const HousekeepingOptions& options, RunFolder& folder, 
 
 void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   const std::string file = recorded != nullptr ? recorded->file : std::string();
-  if (reading_->load() == Reading::not_begun) look_at_all(file);
+  if (listing_->directory.load() == Reading::not_begun) look_at_all(file);
   // While the queue of jobs is full, ended runs and deletions wait for another turn.
   const bool room = !jobs_.full();
   // Several runs may have begun and ended since the last turn.
@@ -26,9 +26,9 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   if (changed) list(ended, recorded);
   anchors_.turn(now, ended, changed);
   deleter_.watch_clock(now);
-  if (reading_->load() == Reading::done) {
+  if (listing_->directory.load() == Reading::done) {
     if (!std::exchange(all_listed_, true)) tell_of_strangers();
-    deleter_.turn(now, recorded, changed);
+    deleter_.turn(now, recorded, listing_->renewed.exchange(false) || changed);
     audit(now);
   }
   anchors_.take_outcomes(now);
@@ -36,20 +36,23 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
 }
 
 void Housekeeper::look_at_all(const std::string& recorded) {
-  reading_->store(Reading::under_way);
-  jobs_.post([directory = directory_, recorded, list = list_, reading = reading_](const auto& stopping) {
+  listing_->directory.store(Reading::under_way);
+  jobs_.post([directory = directory_, recorded, list = list_, listing = listing_](const auto& stopping) {
     look_at_runs(
         directory, recorded, [&](ListedRun run) { list->put(std::move(run)); }, stopping);
-    reading->store(Reading::done);
+    listing->renewed.store(true);
+    listing->directory.store(Reading::done);
   });
 }
 
 void Housekeeper::list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded) {
   if (!ended.empty())
-    jobs_.post([directory = directory_, ended, list = list_, closed = folder_.closed()](const auto&) {
-      if (closed.valid()) closed.wait();
-      for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
-    });
+    jobs_.post(
+        [directory = directory_, ended, list = list_, listing = listing_, closed = folder_.closed()](const auto&) {
+          if (closed.valid()) closed.wait();
+          for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
+          listing->renewed.store(true);
+        });
   listed_.clear();
   if (recorded == nullptr) return;
   listed_ = recorded->file;

@@ -47,8 +47,12 @@ class Housekeeper {
   [[nodiscard]] std::shared_ptr<const RunVerdicts> audits() const { return audits_.all(); }
 
  private:
-  // Of the whole directory, on the thread for jobs.
+  // What the thread for jobs has done for the list.
   enum class Reading : std::uint8_t { not_begun, under_way, done };
+  struct Listing {
+    std::atomic<Reading> directory{Reading::not_begun};
+    std::atomic<bool> renewed{false};  // since somebody looked
+  };
 
   void look_at_all(const std::string& recorded);
   void list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded);
@@ -63,7 +67,7 @@ class Housekeeper {
   AnchorSender anchors_;
   RunDeleter deleter_;
   RunAudits audits_;
-  const std::shared_ptr<std::atomic<Reading>> reading_ = std::make_shared<std::atomic<Reading>>(Reading::not_begun);
+  const std::shared_ptr<Listing> listing_ = std::make_shared<Listing>();
   bool all_listed_ = false;  // every run of the directory has been read
   std::string listed_;       // file of the current run
 };

@@ -112,7 +112,7 @@ std::string Ledger::file_of(std::int64_t run) const {
 
 bool Ledger::is_deleted(std::int64_t run) const {
   const auto known = impl_->book.runs().find(run);
-  return known != impl_->book.runs().end() && known->second.deleted;
+  return known != impl_->book.runs().end() && known->second.deleted && known->second.end->seq > 0;
 }
 
 Result<void> Ledger::begin_log() { return impl_->file->begin_log(); }

@@ -27,7 +27,7 @@ class Ledger {
   [[nodiscard]] const std::string& newest_head() const noexcept;
   // The name of a run's file; empty: the ledger does not know this run.
   [[nodiscard]] std::string file_of(std::int64_t run) const;
-  // Whether the run is entered as deleted.
+  // Whether the run had entries and is entered as deleted.
   [[nodiscard]] bool is_deleted(std::int64_t run) const;
   // A run that has begun and not ended: after a crash, the one that was cut off. 0: none.
   [[nodiscard]] std::int64_t running() const noexcept;

@@ -86,7 +86,7 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true);
     const Result<void> sound = chain ? walk(*chain, ledger, anchors->all) : tl::unexpected(chain.error());
     const bool whole = chain ? chain->unchanged() : chain.error().cause() != Cause::read_again;
-    if (!whole && tries < kAuditTries) continue;
+    if (!whole && tries < kReadTries) continue;
     if (!sound && sound.error().cause() == Cause::newer)
       return fails({path + ": cannot be audited: " + sound.error(), Cause::newer});
     if (!sound) ledger.broken = sound.error();

@@ -3,7 +3,7 @@
 namespace dwell::record {
 
 bool Readiness::look(const ClockPair& now) {
-  next_look_ns_ = now.raw_ns + kRecording_ns;
+  next_look_ns_ = now.raw_ns + kLook_ns;
   if (log_.progress() != nullptr) {
     healed();
     return false;
@@ -11,7 +11,7 @@ bool Readiness::look(const ClockPair& now) {
   const bool was_open = open_;
   const auto ready = folder_.ready();
   open_ = open_ || folder_.is_open();
-  next_look_ns_ = now.raw_ns + (open_ ? kLookForRoom_ns : kRetry_ns);
+  if (!open_) next_look_ns_ = now.raw_ns + kRetry_ns;
   if (open_ && !was_open) opened();
   if (!ready && !std::exchange(told_trouble_, true))
     tell_({Notice::Grade::error, "runs cannot be recorded: " + ready.error() + "; measuring goes on", 0, {}});

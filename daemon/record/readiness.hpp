@@ -15,14 +15,12 @@ namespace dwell::record {
 // Bound to the recorder's thread; virtual time.
 class Readiness {
  public:
-  // Time between two looks while a run is recorded. Such a look costs nothing.
-  static constexpr std::int64_t kRecording_ns = 2'000'000'000;
-  // New runs are asked for no more often, since each ends a dwell. So often it also tries to open a directory
-  // that cannot be used, which may take seconds.
+  // Least time between two new runs that are asked for, since each ends a dwell; and between two tries to open a
+  // directory that cannot be used, which may take seconds.
   static constexpr std::int64_t kRetry_ns = 30'000'000'000;
-  // While an open directory has no room, it is looked at so often: whoever makes room and then starts a run types
-  // longer than this. A look costs two questions to the file system.
-  static constexpr std::int64_t kLookForRoom_ns = 250'000'000;
+  // Time between two looks once the directory is open: whoever makes room and then starts a run types longer than this.
+  // While no run is recorded, a look costs three questions to the file system; else nothing.
+  static constexpr std::int64_t kLook_ns = 250'000'000;
 
   // Folder and log outlive it.
   Readiness(RunFolder& folder, RunLog& log, Tell tell) : folder_(folder), log_(log), tell_(std::move(tell)) {}

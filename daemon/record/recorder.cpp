@@ -130,7 +130,6 @@ struct Recorder::Impl {
     tell_failures();
     if (readiness.open()) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
     keeper.settle({raw_now_ns(), utc_now_ns()}, kLastAnchor);
-    enter_signatures();
   }
 
   void turn(const ClockPair& now) {

@@ -28,10 +28,10 @@ void RunDeleter::watch_clock(const ClockPair& now) {
   if (options_.policy.days) doubt_ = age_doubt_.at(now, options_.clock_synchronized());
 }
 
-void RunDeleter::turn(const ClockPair& now, const ListedRun* recorded, bool run_changed) {
+void RunDeleter::turn(const ClockPair& now, const ListedRun* recorded, bool due) {
   if (!doubt_.empty()) std::erase_if(deletions_, [](const Deletion& deletion) { return deletion.by_age; });
-  if (run_changed || now.raw_ns >= next_look_ns_) {
-    next_look_ns_ = now.raw_ns + (run_changed || next_look_ns_ == 0 ? kListed_ns : kPeriod_ns);
+  if (due || now.raw_ns >= next_look_ns_) {
+    next_look_ns_ = now.raw_ns + kPeriod_ns;
     choose(now, recorded);
   }
   if (deletions_.empty() || jobs_.full()) return;

@@ -29,8 +29,6 @@ class RunDeleter {
  public:
   // Time between two looks for runs that are too old.
   static constexpr std::int64_t kPeriod_ns = 600'000'000'000;
-  // After a run has begun or ended: by then the list has the final size of the one that has ended.
-  static constexpr std::int64_t kListed_ns = 10'000'000'000;
 
   // Folder and jobs outlive it.
   RunDeleter(RetentionOptions options, RunFolder& folder, std::shared_ptr<RunList> list, JobThread& jobs, Tell tell);
@@ -38,9 +36,9 @@ class RunDeleter {
   // Call at each turn, also while the list is not complete yet: watches for steps of the computer's clock.
   void watch_clock(const ClockPair& now);
   // One pass; the folder must be open, and the list complete. Deletes one run at most, since each waits for the disk.
-  // recorded: the list's entry of the current run, as of now; null: none is recorded. run_changed: a run has begun or
-  // ended, so that a look is due: at once, and again once the list has the size of the run that has ended.
-  void turn(const ClockPair& now, const ListedRun* recorded, bool run_changed);
+  // recorded: the list's entry of the current run, as of now; null: none is recorded. due: a look is due before the
+  // period is over, for a run has begun, or the list has new files.
+  void turn(const ClockPair& now, const ListedRun* recorded, bool due);
   // Tells what has become of the files.
   void take_outcomes();
 

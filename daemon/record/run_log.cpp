@@ -128,16 +128,16 @@ StoredEvent RunLog::own_event(std::string text) const {
 void RunLog::gap(std::uint64_t lost) {
   const std::string why = "recorder fell behind";
   const std::string text = why + ": " + std::to_string(lost) + " records of the stream are lost";
-  if (run_ && run_->ending.empty()) {
+  if (run_) {
     const std::string run = named(run_->header);
-    note(own_event(text));
-    interruption_.keep_label_of(run_->header);
+    const bool goes_on = run_->ending.empty();
+    if (goes_on) {
+      note(own_event(text));
+      interruption_.keep_label_of(run_->header);
+    }
     end_now(why);
-    interrupted(run + " ended: " + text);
-    stop(text);
-  } else if (run_) {
-    end_now(why);
-    stop(text);  // another run may have begun in what is lost
+    if (goes_on) interrupted(run + " ended: " + text);
+    stop(text);  // after the run's end as well: another run may have begun in what is lost
   } else {
     options_.tell({Notice::Grade::error, text, 0, {}});
   }
@@ -298,7 +298,7 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why, bool another) {
   const std::string text = named(run.header) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
                            std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";
   if (ended) return options_.tell({Notice::Grade::info, text, run.header.run, {}});
-  options_.tell({Notice::Grade::error, text + "; its file could not be closed: " + ended.error(), run.header.run, {}});
+  options_.tell({Notice::Grade::error, text + "; its end could not be recorded: " + ended.error(), run.header.run, {}});
 }
 
 void RunLog::stop(const std::string& why) {

@@ -55,8 +55,9 @@ class RunLog {
   // If the wall clock moves this far against the raw clock between two turns, it was set. An NTP slew of at most 500
   // ppm takes 20 s for it.
   static constexpr std::int64_t kClockStep_ns = 10'000'000;
-  // The last block of an ended run is written with the entries that close the run, but waits for them no longer than
-  // this. Longer: a loss of power costs more. Shorter: a run that follows at once takes one more wait for the disk.
+  // The last block of an ended run waits for the next record, and no longer than this. If that record begins another
+  // run, both are written with one wait for the disk. Longer: a loss of power costs more. Shorter: a run that follows
+  // at once takes one more wait for the disk.
   static constexpr std::int64_t kSilence_ns = 500'000'000;
 
   // The store must outlive it.

@@ -30,8 +30,9 @@ class RunStore {
   [[nodiscard]] virtual Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) = 0;
   // Writes a batch. It survives a loss of power once this returns.
   [[nodiscard]] virtual Result<void> write(std::span<const NewEntry> batch) = 0;
-  // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, the run's file
-  // stays cut off. In either case there is no run afterwards. another: begin() follows at once; what end() need not do
+  // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, either these
+  // entries are not written, and the file stays cut off, or the ledger could not be told, which is tried again. In any
+  // case there is no run afterwards. another: begin() follows at once; what end() need not do
   // itself may be left to it.
   [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last, bool another) = 0;
 };

@@ -21,13 +21,15 @@ namespace dwell::record {
   return {front + "written to while it was read: read it again", Cause::read_again};
 }
 
-// Calls `read` anew while it fails because a writer altered the file meanwhile; five times at most.
+// How often a file is read that a writer alters meanwhile. A writer does that at the end of a run, and where its -wal
+// has grown too large: twice in a row takes a run that ends just then.
+inline constexpr int kReadTries = 5;
+// Calls `read` anew while it fails because a writer altered the file meanwhile; kReadTries times at most.
 template <class Read>
 [[nodiscard]] auto read_until_whole(const Read& read) {
-  constexpr int kTries = 5;
   for (int tries = 1;; ++tries) {
     auto result = read();
-    if (result || result.error().cause() != Cause::read_again || tries == kTries) return result;
+    if (result || result.error().cause() != Cause::read_again || tries == kReadTries) return result;
   }
 }
 

@@ -1,7 +1,6 @@
 // The events that wait for one reader of a live stream. Bounded: where the reader is slow, events are dropped. A reader
-// that lost an event is right again with the next whole dwell, within a second; lost
-// traces are asked for. Some events yield to the others, as traces do to dwells: they wait behind these and are dropped
-// before them. Bound to one thread.
+// that lost an event is right again with the next whole dwell, within a second; it asks for lost traces. Some events
+// yield to the others, as traces do to dwells: they wait behind these and are dropped before them. Bound to one thread.
 #pragma once
 
 #include <cstddef>

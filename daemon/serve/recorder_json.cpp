@@ -133,11 +133,16 @@ std::string no_dwells(const ServiceView& view, const ListedRun& run) {
   return view.recording.state ? "" : "this service does not record";
 }
 
-HttpReply run_file_answer(const ServiceView& view, std::string_view file) {
-  static const ListedRuns kNone;
-  const ListedRuns& all = view.recording.runs ? *view.recording.runs : kNone;
+const ListedRun* listed_run(const ServiceView& view, std::string_view file) {
+  if (!view.recording.runs) return nullptr;
+  const ListedRuns& all = *view.recording.runs;
   const auto run = std::find_if(all.begin(), all.end(), [&](const ListedRun& listed) { return listed.file == file; });
-  if (run == all.end())
+  return run == all.end() ? nullptr : &*run;
+}
+
+HttpReply run_file_answer(const ServiceView& view, std::string_view file) {
+  const ListedRun* const run = listed_run(view, file);
+  if (run == nullptr)
     return http_error(404, "there is no run of this name: expected /api/v1/runs/FILE, FILE as /api/v1/runs tells it");
   if (const std::string why = no_download(view, *run); !why.empty()) return http_error(409, why);
   HttpReply reply{200, {}, "application/vnd.sqlite3"};

@@ -25,6 +25,8 @@ inline constexpr std::string_view kRunFiles = "/api/v1/runs/";
 // there is none.
 [[nodiscard]] const record::ListedRun* run_of_dwells(const ServiceView& view);
 
+// The run with this file name; nullptr: none is listed. Lives as long as the view.
+[[nodiscard]] const record::ListedRun* listed_run(const ServiceView& view, std::string_view file);
 // Why the dwells of the run's file are not told; empty: they are. A run without dwells is no obstacle.
 [[nodiscard]] std::string no_dwells(const ServiceView& view, const record::ListedRun& run);
 

@@ -202,14 +202,6 @@ Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
   return HttpReply{200, to_json(*view)};
 }
 
-// nullptr: no run of this name is listed.
-const record::ListedRun* listed_run(const ServiceView& now, std::string_view file) {
-  static const record::ListedRuns kNone;
-  const record::ListedRuns& all = now.recording.runs ? *now.recording.runs : kNone;
-  const auto run = std::find_if(all.begin(), all.end(), [&](const auto& listed) { return listed.file == file; });
-  return run == all.end() ? nullptr : &*run;
-}
-
 }  // namespace
 
 // The runs read last. Bound to the thread that makes late answers.

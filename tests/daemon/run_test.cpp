@@ -61,7 +61,7 @@ TEST(Run, HasTwoThreadsForLongWorkWhereTheRigFileAsksForLiveVerification) {
     dwell::Run run(file, {}, nullptr, *log, [] {});
     const auto before = threads();
     run.start();
-    EXPECT_EQ(threads() - before, live ? 3 : 1) << "that of the estimation included";
+    EXPECT_EQ(threads() - before, live ? 3 : 1) << "the estimation thread counts too";
     run.end();
   }
 }

@@ -222,7 +222,8 @@ TEST_F(RetentionByAgeTest, AnOldRunIsDeletedHoweverManyTurnsComeBeforeTheDirecto
       0.0, [this] { return deleted(); }, 401.0);
 }
 
-// The list has the head of the signature, the ledger that of the run's end: the deletion was refused for ever.
+// A signature moves the head of a file. The ledger compared the new head with the one at the run's end, and refused the
+// deletion for ever.
 TEST_F(RetentionByAgeTest, ARunThatWasSignedIsDeletedLikeAnother) {
   PersonalSignature words;
   words.name = "Anna";

@@ -90,7 +90,7 @@ TEST_F(InterruptedRecording, ADiskThatTakesNotEvenTheEndIsToldAsAnError) {
   store.full = store.broken = true;
   stream.play(2.0);
   EXPECT_FALSE(store.runs[0].closed);
-  EXPECT_TRUE(told("its file could not be closed: input/output error"));
+  EXPECT_TRUE(told("its end could not be recorded: input/output error"));
   EXPECT_EQ(log.stopped(), "disk full");
 }
 
