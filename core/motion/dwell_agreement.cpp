@@ -83,9 +83,9 @@ std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dw
   return out;
 }
 
-// Some terms explain the readings alike. Elements are given of which one of these terms moves a coefficient of the
-// dwell by more than `times` its U95. nullopt: no term explains the readings, or it is not known what the terms move.
-// One search names them all, so that is known of all or of none.
+// The elements of the dwell with a coefficient that a missing term would move by more than `times` its U95. All terms
+// count that explain the readings equally well. nullopt: no term explains the readings, or it is not known what the
+// terms would move. One search finds all of them, so that is known of all or of none.
 std::optional<std::vector<int>> moved_elements(const MotionEstimate& motion, const Dwell& dwell, double times) {
   const auto unknown = [&](const MissingTerm& term) { return term.moves.size() < 2 * dwell.elements.size(); };
   if (motion.missing.empty() || std::any_of(motion.missing.begin(), motion.missing.end(), unknown)) return std::nullopt;

@@ -86,11 +86,11 @@ void VerificationWatch::follow(const Dwell& now, std::uint64_t position) {
                                  [this](const VerificationJob& job) { return job.evidence == now_.evidence; });
   if (now.elements.empty() || waits || !(length_s >= kVerifyGrowth * now_.verified_s)) return;
   now_.verified_s = length_s;
-  wait(job_of(now_, now, position, false));
+  enqueue(job_of(now_, now, position, false));
 }
 
 // In place of a waiting job of the same dwell: this one has more data.
-void VerificationWatch::wait(VerificationJob job) {
+void VerificationWatch::enqueue(VerificationJob job) {
   std::erase_if(waiting_, [&job](const VerificationJob& other) { return other.evidence == job.evidence; });
   if (waiting_.size() == kMostWaiting) waiting_.pop_front();
   waiting_.push_back(std::move(job));
@@ -98,7 +98,8 @@ void VerificationWatch::wait(VerificationJob job) {
 
 void VerificationWatch::ended(const Dwell& dwell, std::uint64_t position) {
   const Hold& of = dwell.index == now_.dwell ? now_ : before_;
-  if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s)) wait(job_of(of, dwell, position, true));
+  if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s))
+    enqueue(job_of(of, dwell, position, true));
 }
 
 VerificationJob VerificationWatch::hand_over() {

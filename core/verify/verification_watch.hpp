@@ -66,8 +66,10 @@ class VerificationWatch {
   // A dwell has ended with the record `position`.
   void ended(const Dwell& dwell, std::uint64_t position = 0);
 
-  // So many jobs wait at most, each of another dwell, with evidence of up to 1.5 MB. The oldest of more is dropped:
-  // that dwell keeps the verdict that it has.
+  // So many jobs wait at most, one of a dwell, with evidence of up to 1.5 MB each. The oldest of more is dropped: that
+  // dwell keeps the verdict that it has. A search for causes takes a minute or two, and a dwell that settles seldom
+  // ends within half a minute. Halved, dwells in quick succession lose their last verdict; doubled, 6 MB more may be
+  // held.
   static constexpr std::size_t kMostWaiting = 4;
 
   // Whether a job is to be done now; at most one is out at a time.
@@ -89,7 +91,7 @@ class VerificationWatch {
     double verified_s = 0.0;  // length of the data that were verified last
   };
 
-  void wait(VerificationJob job);
+  void enqueue(VerificationJob job);
   [[nodiscard]] static VerificationJob job_of(const Hold& hold, const Dwell& dwell, std::uint64_t position, bool ended);
 
   double period_s_;  // of the nominal drive

@@ -24,26 +24,25 @@ void give_up(VerificationJob& job, const std::string& why) {
   job.result.verification.reasons = {"the verification failed: " + why};
 }
 
-}  // namespace
-
-bool LongWork::estimate() {
-  return estimates.work([this](TransientJob& job) {
+template <class Job, class Run>
+bool work_on(WorkSlot<Job>& slot, const Run& run) {
+  return slot.work([&run](Job& job) {
     try {
-      job.run(rig);
+      run(job);
     } catch (const std::exception& failure) {
       give_up(job, failure.what());
     }
   });
 }
 
+}  // namespace
+
+bool LongWork::estimate() {
+  return work_on(estimates, [this](TransientJob& job) { job.run(rig); });
+}
+
 bool LongWork::verify() {
-  return verifications.work([this](VerificationJob& job) {
-    try {
-      job.run(rig, accuracy);
-    } catch (const std::exception& failure) {
-      give_up(job, failure.what());
-    }
-  });
+  return work_on(verifications, [this](VerificationJob& job) { job.run(rig, accuracy); });
 }
 
 LongWorkThread::LongWorkThread(std::shared_ptr<LongWork> work, Does does)
