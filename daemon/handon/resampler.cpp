@@ -86,7 +86,9 @@ void Resampler::begin(std::int64_t first_ns) noexcept {
   count_ = 0;
 }
 
-std::int64_t Resampler::after_ns() const noexcept { return t_ns_[(count_ - N / 2) % N]; }
+std::int64_t Resampler::behind_middle_ns(int further) const noexcept {
+  return t_ns_[(count_ - static_cast<std::uint64_t>(N / 2 - further)) % N];
+}
 
 bool Resampler::add(SharedInstants& shared, std::int64_t t_ns, double x) {
   const auto place = static_cast<std::size_t>(count_ % N);
@@ -95,7 +97,7 @@ bool Resampler::add(SharedInstants& shared, std::int64_t t_ns, double x) {
   ++count_;
   if (count_ < N) return false;
   const bool check = count_ % kReadingsPerCheck == 0;
-  const bool needed = next_ns_ < after_ns();
+  const bool needed = next_ns_ < behind_middle_ns(0);
   if (needed || check) solve(shared, check);
   return needed;
 }
