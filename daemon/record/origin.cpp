@@ -13,6 +13,7 @@
 
 #include "daemon/record/build.hpp"
 #include "daemon/record/run_entries.hpp"
+#include "daemon/record/sources.hpp"
 #include "daemon/version.hpp"
 
 namespace dwell::record {
@@ -67,7 +68,7 @@ bool is_synchronized(int state, const timex& clock) {
 Origin this_origin() {
   Origin origin;
   origin.version = dwell::kVersion;
-  origin.build = std::string(kBuild) + ", glibc " + ::gnu_get_libc_version();
+  origin.build = std::string("sources ") + kSources + ", " + kBuild + ", glibc " + ::gnu_get_libc_version();
   origin.cpu = cpu_features();
   origin.host = host_name();
   origin.time_zone = time_zone();

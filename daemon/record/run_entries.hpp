@@ -40,7 +40,7 @@ struct Plugin {
 // Where and with what a run was recorded. A replay gives the same bits if `build` and `cpu` are the same.
 struct Origin {
   std::string version;    // of the program
-  std::string build;      // compiler and its version, flags, Eigen, libm
+  std::string build;      // SHA-256 of the sources (its beginning), compiler and its version, flags, Eigen, libm
   std::string cpu;        // features that libm chooses by, sorted: "avx avx2 fma sse4_2"
   std::string host;       // name
   std::string time_zone;  // "Europe/Berlin", or "" where unknown

@@ -127,21 +127,28 @@ TEST_F(ReplayTest, ToldAtAnotherPlaceOfTheStreamAResultIsAnother) {
   EXPECT_FALSE(seen.json()["differences"].empty());
 }
 
-TEST_F(ReplayTest, OfAnotherBuildOnlyWhatExceedsTheToleranceCounts) {
-  for (const double parts_of_u : {1e-4, 1e-2}) {
+TEST_F(ReplayTest, OfAnotherProcessorOrProgramOnlyWhatExceedsTheToleranceCounts) {
+  const auto another_processor = [](record::RunHeader& h) { h.origin.cpu = "z80"; };
+  const auto other_sources = [](record::RunHeader& h) {
+    ASSERT_EQ(h.origin.build.rfind("sources ", 0), 0U) << h.origin.build;
+    char& digit = h.origin.build[8];
+    digit = digit == '0' ? '1' : '0';
+  };
+  const std::vector<std::pair<std::function<void(record::RunHeader&)>, double>> cases{
+      {another_processor, 1e-4}, {another_processor, 1e-2}, {other_sources, 1e-4}, {other_sources, 1e-2}};
+  for (const auto& [changes, parts] : cases) {
+    const double parts_of_u = parts;
     const std::string file = folder.path("other.dwell");
     std::filesystem::remove(file);
     const Printed seen =
-        replayed(write("other.dwell", {.header = [](record::RunHeader& h) { h.origin.cpu = "z80"; },
-                                       .result =
-                                           [&](record::StoredResult& result) {
-                                             Value dwell = Value::parse(result.dwell);
-                                             if (!result.final || dwell["elements"].empty()) return true;
-                                             Value& c = dwell["elements"][0]["stiffness"];
-                                             c["value"] = c["value"].get<double>() + parts_of_u * c["u"].get<double>();
-                                             result.dwell = dwell.dump();
-                                             return true;
-                                           }}));
+        replayed(write("other.dwell", {.header = changes, .result = [&](record::StoredResult& result) {
+                                         Value dwell = Value::parse(result.dwell);
+                                         if (!result.final || dwell["elements"].empty()) return true;
+                                         Value& c = dwell["elements"][0]["stiffness"];
+                                         c["value"] = c["value"].get<double>() + parts_of_u * c["u"].get<double>();
+                                         result.dwell = dwell.dump();
+                                         return true;
+                                       }}));
     const Value answer = seen.json();
     EXPECT_EQ(seen.code, parts_of_u < 1e-3 ? kDone : kNo);
     EXPECT_EQ(answer["identical"], false);
