@@ -178,7 +178,7 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   // No script, nothing from elsewhere: the browser refuses whatever a label might smuggle in.
   html += "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n";
   html += "<meta name=\"viewport\" content=\"width=device-width\">\n<title>" + escaped(title_of(selection)) +
-          "</title>\n<style>" + kStyle + page_foot(selection, audit) + "</style></head>\n<body>\n";
+          "</title>\n<style>" + kStyle + page_foot(selection, audit) + "</style></head>\n<body><main>\n";
   html += front(selection, story, audit, provenance);
   html += dwells(story);
   html += report_conditions(selection);
@@ -190,7 +190,7 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   html += report_audit(selection, story, audit);
   html += "<div class=\"sign\"><div>name</div><div>date</div><div>signature</div></div>\n";
   html += html_heading(2, "Rig file") + "<pre>" + escaped(selection.header().rig.text) + "</pre>\n";
-  return html + "</body></html>\n";
+  return html + "</main></body></html>\n";
 }
 
 Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,

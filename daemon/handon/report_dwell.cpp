@@ -176,7 +176,7 @@ std::string phasors(const DwellView& view) {
   const std::string caption = scales + ". Phases are relative to " + view.channels[*reference].name + ".";
   return "<div class=\"beside\"><figure>" + phasor_picture(arrows) + "<figcaption>" + escaped(caption) +
          "</figcaption></figure><div>" +
-         html_table({{"", true}, {"channel"}, {"amplitude", true}, {"phase", true}, {"harmonics"}}, rows) +
+         html_table({{"no.", true}, {"channel"}, {"amplitude", true}, {"phase", true}, {"harmonics"}}, rows) +
          html_list(notes, "notes") + "</div></div>\n";
 }
 

@@ -111,8 +111,8 @@ std::string report_channels(const Selection& selection, const RunStory& story) {
                     calibration(c, selection.header().start_utc), device});
     if (of_stream) rows.back().push_back(std::to_string(story.traces[i].count()));
   }
-  std::vector<Column> columns{{"", true},  {"channel"},  {"measures"},    {"unit"},
-                              {"in unit"}, {"response"}, {"calibration"}, {"device", false, true}};
+  std::vector<Column> columns{{"no.", true}, {"channel"},  {"measures"},    {"unit"},
+                              {"in unit"},   {"response"}, {"calibration"}, {"device", false, true}};
   if (of_stream) columns.push_back({"samples", true});
   return html_heading(2, "Channels") + html_table(columns, rows);
 }

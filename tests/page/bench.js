@@ -10,7 +10,7 @@ import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
-const BIN = join(ROOT, process.env.DWELL_BUILD ?? 'build', 'bin');
+export const BIN = join(ROOT, process.env.DWELL_BUILD ?? 'build', 'bin');
 const CHROMIUM = process.env.DWELL_CHROMIUM ?? '/usr/bin/chromium';
 // For something to come that must come; what is slow on a loaded machine is late, not wrong.
 export const PATIENCE_MS = 20_000;
