@@ -33,6 +33,18 @@ std::string verdict(const record::Audit& audit) {
   return audit.trusted ? text : text + ", " + key_verdict(audit);
 }
 
+// The ledger in the folder of these files. Fails where they have no folder in common.
+record::Result<std::string> ledger_beside(const std::vector<std::string>& files) {
+  if (files.empty())
+    return tl::unexpected(std::string("expected the name of a ledger, or run files that lie beside it"));
+  const auto folder_of = [](const std::string& file) { return std::filesystem::path(file).parent_path(); };
+  for (const std::string& file : files)
+    if (folder_of(file) != folder_of(files.front()))
+      return tl::unexpected("expected the name of a ledger: " + files.front() + " and " + file +
+                            " lie in different folders");
+  return (folder_of(files.front()) / "ledger.dwell-ledger").string();
+}
+
 std::string ledger_verdict(const record::LedgerAudit& ledger) {
   if (!ledger.unbroken) return "broken: " + ledger.where;
   return ledger.missing.empty() ? "unbroken" : "missing: " + ledger.missing.front();
@@ -116,7 +128,13 @@ int usage_error(const std::string& why) {
 
 }  // namespace
 
-int audit_files(const AuditRequest& request) {
+int audit_files(const AuditRequest& asked) {
+  AuditRequest request = asked;
+  if (asked.ledger_beside) {
+    auto beside = ledger_beside(asked.files);
+    if (!beside) return usage_error("--ledger: " + beside.error());
+    request.ledger = std::move(*beside);
+  }
   if (request.files.empty() && request.ledger.empty())
     return usage_error("nothing to audit: expected run files, or --ledger FILE");
   record::AuditOptions options;

@@ -68,6 +68,7 @@ struct ExportOptions {
 struct AuditRequest {
   std::vector<std::string> files;
   std::string ledger;                // file; empty: none
+  bool ledger_beside = false;        // the ledger is the one beside the run files
   std::vector<std::string> keys;     // pinned, see pinned_keys()
   std::vector<std::string> persons;  // pinned too: keys of persons
   std::vector<std::string> anchors;  // files

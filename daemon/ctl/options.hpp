@@ -49,8 +49,8 @@ inline CLI::Option* add_text(CLI::App* verb, const std::string& name, std::strin
       ->check([most](const std::string& given) { return record::why_not_words(given, most); }, "");
 }
 
-inline void add_ledger(CLI::App* verb, std::string& ledger) {
-  verb->add_option("--ledger", ledger, "the ledger that knows all runs: shows what was removed");
+inline CLI::Option* add_ledger(CLI::App* verb, std::string& ledger) {
+  return verb->add_option("--ledger", ledger, "the ledger that knows all runs: shows what was removed");
 }
 
 }  // namespace dwell::ctl

@@ -7,10 +7,12 @@ namespace dwell::ctl {
 
 RecordVerbs::RecordVerbs(Verbs& verbs, Service& service) {
   CLI::App* const audit =
-      verbs.add("audit", "whether run files are as they were recorded; exit 1 if one is tampered with",
-                [this] { return audit_files(auditing_); });
+      verbs.add("audit", "whether run files are as they were recorded; exit 1 if one is tampered with", [this] {
+        auditing_.ledger_beside = ledger_->count() > 0 && auditing_.ledger.empty();
+        return audit_files(auditing_);
+      });
   audit->add_option("files", auditing_.files, "run files");
-  add_ledger(audit, auditing_.ledger);
+  ledger_ = add_ledger(audit, auditing_.ledger)->expected(0, 1);
   add_pinned_keys(audit, auditing_.keys);
   add_persons(audit, auditing_.persons);
   audit->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");

@@ -5,6 +5,10 @@
 
 #include "daemon/ctl/commands.hpp"
 
+namespace CLI {
+class Option;
+}
+
 namespace dwell::ctl {
 
 class Verbs;
@@ -18,6 +22,7 @@ class RecordVerbs {
 
  private:
   AuditRequest auditing_;
+  CLI::Option* ledger_ = nullptr;  // of audit
   SignOptions signing_;
   KeyOptions key_;
   std::string folder_, file_;

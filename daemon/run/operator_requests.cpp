@@ -24,6 +24,11 @@ std::string words(const OperatorRequest& request) {
   return {};
 }
 
+// What a re-arm ends, as an auditor wants to know it.
+std::string words(const Dwell& dwell) {
+  return (dwell.index ? "dwell " + std::to_string(*dwell.index) + ", " : std::string()) + to_string(dwell.state);
+}
+
 }  // namespace
 
 std::string user_name(uid_t uid) {
@@ -70,7 +75,8 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
   told.event.what = "action";
   told.event.text = words(request) + " by " + record::who(by);
   told.event.person = by;
-  told.event.before = standing();
+  const bool rearms = request.verb == Verb::rearm;
+  told.event.before = rearms ? words(run_.latest().dwell) : standing();
   told.event.comment = request.comment;
   if (request.verb == Verb::start) operators_run_ = "run \"" + request.label + "\", started by " + record::who(by);
   if (request.verb == Verb::start) ended_.started(run_.latest().run);
@@ -78,7 +84,7 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
     operators_run_.clear();
     ended_.stopped(run_.latest().run);
   }
-  told.event.after = request.verb == Verb::stop ? "no run" : standing();
+  told.event.after = rearms ? "a new dwell begins" : request.verb == Verb::stop ? "no run" : standing();
   log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));
   if (recorder_ != nullptr) recorder_->request(std::move(told));
   if (request.verb == Verb::start) run_.begin_run(number_);

@@ -130,7 +130,22 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   const Outcome there = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(there.code, 0) << there.out << there.err;
   EXPECT_TRUE(holds(there.out, ledger + ": unbroken\n")) << there.out;
+  const std::vector<std::string> of_run{"audit", folder.path("run.dwell"), "--key", key.public_key().vkey(),
+                                        "--ledger"};
+  std::vector<std::string> named_too = of_run;
+  named_too.push_back(ledger);
+  const Outcome beside = test::run(of_run), named = test::run(named_too);
+  EXPECT_TRUE(holds(named.out, ledger + ": unbroken\n")) << named.out;
+  EXPECT_EQ(beside.out, named.out) << "without a name it is the one beside the files";
+  EXPECT_EQ(beside.code, named.code);
   const test::TemporaryFolder elsewhere;
+  for (const std::vector<std::string>& unclear :
+       {std::vector<std::string>{"audit", "--ledger"},
+        {"audit", folder.path("run.dwell"), elsewhere.path("run.dwell"), "--ledger"}}) {
+    const Outcome asked = test::run(unclear);
+    EXPECT_EQ(asked.code, 2) << asked.out;
+    EXPECT_TRUE(holds(asked.err, "--ledger: expected the name of a ledger")) << asked.err;
+  }
   std::filesystem::create_symlink(ledger, elsewhere.path("link"));
   const Outcome linked = test::run({"audit", "--ledger", elsewhere.path("link"), "--key", key.public_key().vkey()});
   EXPECT_EQ(linked.code, 0) << "the runs lie beside the ledger itself: " << linked.out;

@@ -58,7 +58,8 @@ TEST_F(OperatorRequestsTest, TheRecordLearnsWhoAskedForWhatAndWhyBeforeTheStream
   EXPECT_EQ(start.event.after, "run \"sweep 3\", started by anna (uid 1000)");
   EXPECT_EQ(start.event.comment, "new damper");
   EXPECT_EQ(rearm.number, 2);
-  EXPECT_EQ(rearm.event.before, rearm.event.after);
+  EXPECT_EQ(rearm.event.before, "idle") << "what the re-arm ends";
+  EXPECT_EQ(rearm.event.after, "a new dwell begins");
   EXPECT_EQ(rearm.event.comment, "specimen touched");
   EXPECT_EQ(stop.number, 3);
   EXPECT_EQ(stop.event.before, start.event.after);
