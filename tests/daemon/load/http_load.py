@@ -1,16 +1,21 @@
 #!/usr/bin/env python3
-"""What clients cost the measurement: the estimation thread's CPU time with and without them, and samples dropped.
+"""What clients and attackers cost the measurement: the estimation thread's CPU time with and without them, samples dropped.
 
 http_load.py BUILD [PAIRS [SECONDS]]
 
 BUILD is a build folder with dwelld, rigsim and dwell-driver-modbus. 50 clients poll 20 times a second, 20 read the live
-stream, one of which never reads. Stretches with and without clients alternate, so that a machine that grows slower or
-warmer does so for both; the median of the pairs' ratios counts. The figure means something on a quiet machine alone.
+stream, half of them with traces; one of the 20 never reads. Stretches with and without clients alternate, so that a
+machine that grows slower or warmer does so for both; the median of the pairs' ratios counts. A processor that idles is
+slower when it wakes, which made clients look as if they saved time: so in every stretch each processor has a busy loop
+that yields to all else. One stretch more has attackers: 5000 connections, of which 300 send a byte a second, and headers
+of a megabyte; beside them an operator who was served before. Exit code 1: a sample was dropped, the ratio is above 1.1,
+or the operator was not served. The figures mean something on a quiet machine alone. All traffic stays on 127.0.0.1.
 """
 import asyncio
 import json
 import os
 import re
+import resource
 import signal
 import socket
 import statistics
@@ -22,6 +27,9 @@ import urllib.error
 import urllib.request
 
 POLLERS, POLL_HZ, STREAMS = 50, 20.0, 20
+MOST_RATIO = 1.1
+SLOW, CONNECTIONS, HEADER_BYTES = 300, 5000, 1 << 20  # attackers
+SERVED = 0.9  # of the operator's questions at least so many have an answer
 PATHS = ("dwell", "channels", "health")
 SETTLED_S = 10.0  # of a stretch before it counts: clients connect, caches fill
 
@@ -66,10 +74,10 @@ async def poll(port, turn, counts):
         writer.close()
 
 
-async def listen(port, counts):
-    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+async def listen(port, query, counts):
+    reader, writer = await asyncio.open_connection("127.0.0.1", port, limit=1 << 22)
     try:
-        writer.write(b"GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        writer.write(f"GET /api/v1/stream{query} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
         while await reader.readuntil(b"\n\n"):
             counts["events"] += 1
     finally:
@@ -83,15 +91,65 @@ async def clients(port, counts):
     deaf.sendall(b"GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n")
     with deaf:
         await asyncio.gather(*(poll(port, i, counts) for i in range(POLLERS)),
-                             *(listen(port, counts) for _ in range(STREAMS - 1)))
+                             *(listen(port, "?traces" if i % 2 else "", counts) for i in range(STREAMS - 1)))
 
 
-def clients_process(port):
+async def attack_slowly(port):
+    """A request that never ends: the service closes it, and another begins."""
+    while True:
+        try:
+            _, writer = await asyncio.open_connection("127.0.0.1", port)
+            writer.write(b"GET / HTTP/1.1\r\nX: ")
+            while not writer.is_closing():
+                writer.write(b"a")
+                await writer.drain()
+                await asyncio.sleep(1.0)
+        except OSError:
+            await asyncio.sleep(1.0)
+
+
+async def attack_with_headers(port):
+    while True:
+        try:
+            _, writer = await asyncio.open_connection("127.0.0.1", port)
+            writer.write(b"GET / HTTP/1.1\r\nX: " + b"a" * HEADER_BYTES)
+            await writer.drain()
+            writer.close()
+        except OSError:
+            pass
+        await asyncio.sleep(0.05)
+
+
+async def attack_with_connections(port, counts):
+    """Holds as many as it can get, and asks for more whenever one is closed, 1000 a second at most."""
+    held = []
+    while True:
+        held = [one for one in held if not one.is_closing()]
+        for _ in range(min(100, CONNECTIONS - SLOW - len(held))):
+            try:
+                _, writer = await asyncio.open_connection("127.0.0.1", port)
+                held.append(writer)
+                counts["connections"] += 1
+            except OSError:
+                break
+        await asyncio.sleep(0.1)
+
+
+async def attackers(port, counts):
+    operator = asyncio.ensure_future(poll(port, 0, counts))
+    await asyncio.sleep(1.0)
+    await asyncio.gather(operator, attack_with_headers(port), attack_with_connections(port, counts),
+                         *(attack_slowly(port) for _ in range(SLOW)))
+
+
+def clients_process(port, who):
     """In a process of their own, as they would be; its output is what they got."""
-    counts = {"answers": 0, "events": 0}
+    counts = {"answers": 0, "events": 0, "connections": 0}
+    hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, CONNECTIONS + 1000), hard))
 
     async def until_told():
-        work = asyncio.ensure_future(clients(port, counts))
+        work = asyncio.ensure_future(who(port, counts))
         asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, work.cancel)
         try:
             await work
@@ -102,9 +160,9 @@ def clients_process(port):
     print(json.dumps(counts))
 
 
-def stretch(port, pid, seconds, with_clients):
-    """The estimation thread's share of a core, the samples dropped, and what the clients got."""
-    crowd = subprocess.Popen([sys.executable, __file__, "--clients", str(port)], stdout=subprocess.PIPE) if with_clients else None
+def stretch(port, pid, seconds, who):
+    """The estimation thread's share of a core, the samples dropped, and what the clients got. who: None, or an option."""
+    crowd = subprocess.Popen([sys.executable, __file__, who, str(port)], stdout=subprocess.PIPE) if who else None
     time.sleep(SETTLED_S)
     lost = dropped(port)
     before, begun = cpu_ns(pid, "estimate"), time.monotonic()
@@ -127,6 +185,13 @@ def said(process, pattern):
     sys.exit(f"no {pattern}")
 
 
+def busy_loop():
+    """Keeps a processor awake and yields it to whoever wants it."""
+    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    while True:
+        pass
+
+
 def main():
     build = os.path.abspath(sys.argv[1])
     pairs = int(sys.argv[2]) if len(sys.argv) > 2 else 8
@@ -142,6 +207,7 @@ def main():
             file.write(re.sub(r"(?m)^listen .*", 'listen = "127.0.0.1:0"', text))
         service = subprocess.Popen([os.path.join(build, "bin/dwelld"), "--config", path, "--control", os.path.join(folder, "control")],
                                    stderr=subprocess.PIPE, text=True)
+        loops = [subprocess.Popen([sys.executable, __file__, "--busy"]) for _ in range(os.cpu_count())]
         try:
             for line in service.stderr:
                 if match := re.search(r"serving rig.* port (\d+)", line):
@@ -155,13 +221,14 @@ def main():
                 order = (False, True) if pair % 2 == 0 else (True, False)
                 shares = {}
                 for with_clients in order:
-                    shares[with_clients], here, got = stretch(port, service.pid, seconds, with_clients)
+                    shares[with_clients], here, got = stretch(port, service.pid, seconds, "--clients" if with_clients else None)
                     lost[with_clients] += here
                     answers += got.get("answers", 0)
                     events += got.get("events", 0)
                 ratios.append(shares[True] / shares[False])
                 print(f"pair {pair + 1}: {shares[False]:.4f} of a core alone, {shares[True]:.4f} with clients, "
                       f"ratio {ratios[-1]:.3f}", flush=True)
+            share, lost_attacked, got = stretch(port, service.pid, seconds, "--attackers")
             channels, health = get(port, "channels")["channels"], get(port, "health")
             under = pairs * (seconds + SETTLED_S)
             print(f"ratio, median of {pairs}: {statistics.median(ratios):.3f} ({min(ratios):.3f} … {max(ratios):.3f})")
@@ -169,16 +236,24 @@ def main():
                   f"{events / under / (STREAMS - 1):.1f} events/s for each stream that reads; "
                   f"events dropped {health['http']['events_dropped']}")
             print(f"samples: received {sum(c['received'] for c in channels)}, dropped {lost[False]} alone, {lost[True]} with clients, "
+                  f"{lost_attacked} with attackers, "
                   f"gaps {sum(c['gaps'] for c in channels)}; turns skipped {health['skipped_turns']}; "
                   f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
+            served = got["answers"] / ((seconds + SETTLED_S) * POLL_HZ)
+            print(f"attackers: {got['connections']} connections; estimation {share:.4f} of a core; an operator who was there before "
+                  f"had {100 * served:.0f} % of the answers")
+            if lost[True] or lost_attacked or statistics.median(ratios) > MOST_RATIO or served < SERVED:
+                sys.exit(1)
         finally:
-            for process in (service, rig):
+            for process in (service, rig, *loops):
                 process.terminate()
                 process.wait()
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--clients"]:
-        clients_process(int(sys.argv[2]))
+    if sys.argv[1:2] == ["--busy"]:
+        busy_loop()
+    elif sys.argv[1:2] in (["--clients"], ["--attackers"]):
+        clients_process(int(sys.argv[2]), clients if sys.argv[1] == "--clients" else attackers)
     else:
         main()
