@@ -1,5 +1,7 @@
 #include "daemon/ctl/child_events.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -51,10 +53,8 @@ std::vector<record::StoredEvent> ChildEvents::finish() {
 
 void ChildEvents::drain(std::vector<record::StoredEvent>& into) {
   drain_ns_ = newest_ns_ + kTogether_ns;
-  for (record::StoredEvent& event : stream_.drain(names_)) {
-    event.utc = utc_of(newest_ns_);
-    into.push_back(std::move(event));
-  }
+  std::vector<record::StoredEvent> told = stream_.drain(names_, [this](std::int64_t t_ns) { return utc_of(t_ns); });
+  std::move(told.begin(), told.end(), std::back_inserter(into));
 }
 
 std::string ChildEvents::utc_of(std::int64_t t_ns) const { return record::iso_utc(start_utc_ns_ + (t_ns - begin_ns_)); }

@@ -69,4 +69,18 @@ std::optional<std::vector<EarlierDwell>> ask_earlier_dwells(const Asks& answer, 
   return dwells;
 }
 
+std::vector<EarlierRun> earlier_runs(const Json& list, const std::string& utc, double span_s) {
+  std::vector<EarlierRun> runs;
+  const auto now_ns = record::parse_utc(utc);
+  const Json* const items = member_of(list, "runs");
+  if (!now_ns || items == nullptr || !items->is_array()) return runs;
+  for (auto item = items->rbegin(); item != items->rend() && runs.size() < kMostRuns; ++item) {
+    const auto ended_ns = record::parse_utc(text_member(*item, "ended"));
+    const std::string path = text_member(*item, "dwells_at");
+    if (!ended_ns || path.empty() || 1e-9 * static_cast<double>(*now_ns - *ended_ns) > span_s) continue;
+    runs.push_back({"run " + integer_text(*item, "run"), path + "?count=" + std::to_string(kPerAnswer)});
+  }
+  return runs;
+}
+
 }  // namespace dwell::ctl

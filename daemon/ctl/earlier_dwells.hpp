@@ -1,9 +1,11 @@
-// The dwells that have ended, for watch's trend of the last hour.
-// /api/v1/dwells?brief=1 tells them; the service keeps the newest 1000.
+// The dwells that have ended, for watch's trend of the last hour: those of the run that goes on, which
+// /api/v1/dwells?brief=1 tells, the newest 1000 of them; and those of earlier runs, which /api/v1/runs/FILE/dwells
+// tells.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -29,5 +31,17 @@ struct EarlierDwell {
 using Asks = std::function<std::optional<nlohmann::ordered_json>(const std::string& path)>;
 [[nodiscard]] std::optional<std::vector<EarlierDwell>> ask_earlier_dwells(const Asks& answer, const std::string& utc,
                                                                           double span_s);
+
+// A run whose dwells the service reads from its file.
+struct EarlierRun {
+  std::string name;       // "run 7"
+  std::string dwells_at;  // path that tells its newest dwells
+};
+
+// Those of the list of runs that ended in the last `span_s`, the newest first, at most kMostRuns. What is no such run
+// is left out. utc: the service's now.
+inline constexpr std::size_t kMostRuns = 20;
+[[nodiscard]] std::vector<EarlierRun> earlier_runs(const nlohmann::ordered_json& list, const std::string& utc,
+                                                   double span_s);
 
 }  // namespace dwell::ctl

@@ -58,9 +58,9 @@ std::string_view looks(Style style, bool colour) {
     case Style::title:
       return "\x1b[1m";
     case Style::old:
-      return colour ? "\x1b[90m" : "\x1b[2m";
+      return colour ? "\x1b[90;9m" : "\x1b[2;9m";
     case Style::tentative:
-      return colour ? "\x1b[36m" : "\x1b[2m";
+      return "\x1b[2m";
     case Style::doubted:
       return colour ? "\x1b[33;7m" : "\x1b[7m";
     case Style::alarm:

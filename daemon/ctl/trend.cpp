@@ -50,8 +50,10 @@ std::string sparkline(const std::vector<double>& values, double middle, double r
 void Trend::take(const DwellView& view, double now_s) {
   Point point{now_s, now_s, {}, {}};
   const Dwell& dwell = view.dwell;
-  // The last dwell of a run that was stopped stays in view: it gives no new values.
-  if (has_coefficients(dwell) && dwell.state != State::complete) {
+  // The last dwell of a run that was stopped stays in view, and so does one of an estimation that hangs: neither gives
+  // new values.
+  const bool stale = view.age && view.age->stale;
+  if (has_coefficients(dwell) && dwell.state != State::complete && !stale) {
     for (const ElementEstimate& element : dwell.elements) {
       point.stiffness.push_back(element.identifiable ? element.stiffness.value : kNaN);
       point.damping.push_back(element.identifiable ? element.damping.value : kNaN);
@@ -60,8 +62,6 @@ void Trend::take(const DwellView& view, double now_s) {
     std::string key = view.run.start_utc + " " + std::to_string(dwell.index.value_or(0));
     const double data_s = dwell.end_s - dwell.settled_s;
     if (key != dwell_ && dwell.state == State::measuring && data_s > 0.0) point.from_s -= data_s;
-    // No news came for a while, as after a lost connection, and the dwell goes on: its value holds for the while.
-    if (key == dwell_ && now_s - points_.back().t_s > kEvery_s) point.from_s = points_.back().t_s;
     dwell_ = std::move(key);
   }
   if (points_.size() > 1 && points_.back().t_s - points_[points_.size() - 2].t_s < kEvery_s) {
@@ -131,9 +131,10 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
     }
   }
   if (section.body.empty()) return section;
-  std::vector<std::string> title =
-      wrapped("trend of the last " + age_text(reach_s) + "; middle: newest value, height: ± the % beside", columns);
-  for (std::string& text : title) section.head.push_back({std::move(text), Style::hint});
+  std::string text = "trend of the last " + age_text(reach_s) + "; middle: newest value, height: ± the % beside";
+  for (const std::string& run : lacking_) text += "; " + run + " is missing: its file could not be read";
+  std::vector<std::string> title = wrapped(text, columns);
+  for (std::string& line : title) section.head.push_back({std::move(line), Style::hint});
   section.head.push_back(
       {wide ? pad_right("element  stiffness", kDampingAt) + "damping" : "element  stiffness, damping", Style::title});
   return section;

@@ -5,9 +5,9 @@
 //         1  ▄▄▄▄▅▅▄▄▄▄▅▄▄▄▄▄▄▄▄▄  ± 0.20 %  ▃▃▃▄▄▄▄▄▅▅▅▄▄▄▄▄▄▄▄▄  ± 2.6 %
 //
 // The percentage is twice the U95 of the newest value; then the four middle heights of eight are the newest ± U95. It
-// is more where an older value was further away. A blank: no coefficient is known of then. Of a dwell that ended before
-// watch began, or while its connection was lost, the last value is known; it stands for all of the dwell that was not
-// seen, as on the page.
+// is more where an older value was further away. A blank: no coefficient is known of then, as while the connection was
+// lost. Of a dwell that ended before watch began, or while its connection was lost, the last value is known; it stands
+// for all of the dwell that was not seen.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once
@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/ctl/earlier_dwells.hpp"
@@ -35,10 +36,13 @@ class Trend {
   // Between two points that are kept: the shortest line, of a minute, has one in each block; an hour has 1200.
   static constexpr double kEvery_s = 3.0;
 
-  // The dwell as it stands; one whose coefficients are not given leaves a blank. now_s: never less than before.
+  // The dwell as it stands; one whose coefficients are not given, or stale, leaves a blank. now_s: never less than
+  // before.
   void take(const DwellView& view, double now_s);
   // Dwells that have ended, oldest first: of each what was not taken before.
   void take_earlier(const std::vector<EarlierDwell>& dwells, double now_s);
+  // Runs whose dwells could not be had, as the title names them.
+  void take_lacking(std::vector<std::string> runs) { lacking_ = std::move(runs); }
 
   // A line for each element that has coefficients in `view`; below 80 columns damping stands on a line of its own.
   // Empty: there is none, or nothing has been seen before.
@@ -55,7 +59,8 @@ class Trend {
                                               double until_s) const;
 
   std::deque<Point> points_;  // oldest first; kEvery_s apart, but for the newest, which is replaced until then
-  std::string dwell_;         // names the newest with coefficients; empty: there was none
+  std::vector<std::string> lacking_;
+  std::string dwell_;  // names the newest with coefficients; empty: there was none
 };
 
 // The blocks of a line: `middle` stands between the fourth and the fifth of eight heights, middle ± reach at the edges.

@@ -13,7 +13,6 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/dwell_follower.hpp"
-#include "daemon/ctl/earlier_dwells.hpp"
 #include "daemon/ctl/fetch.hpp"
 #include "daemon/ctl/http_client.hpp"
 #include "daemon/ctl/json_member.hpp"
@@ -22,6 +21,7 @@
 #include "daemon/ctl/truth.hpp"
 #include "daemon/ctl/wakeups.hpp"
 #include "daemon/ctl/watch_page.hpp"
+#include "daemon/ctl/watch_questions.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
@@ -34,7 +34,7 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::milliseconds;
 
-constexpr Milliseconds kAsk{1000};            // between questions for the channels' states, and the time for an answer
+constexpr Milliseconds kQuestionTime{1000};   // for an answer to a question beside the stream: keys wait as long
 constexpr double kMessage_s = 6.0;            // for reading what came of a key
 constexpr Milliseconds kReconnectTime{2000};  // for the service to take a connection again: keys wait as long
 
@@ -69,10 +69,25 @@ bool on_this_computer(const Url& url) {
   return url.host == "localhost" || url.host == "::1" || url.host.compare(0, 4, "127.") == 0;
 }
 
+// The service's answer as JSON; nullopt: none came in time, or it was refused.
+Asks asks_at(const Url& url) {
+  return [url](const std::string& path) -> std::optional<Json> {
+    HttpLimits limits;
+    limits.time = kQuestionTime;
+    const auto answer = http_get(url, path, limits);
+    if (!answer) return std::nullopt;
+    return Json::parse(answer->body, nullptr, false);
+  };
+}
+
 class Watch {
  public:
   Watch(const Service& service, const WatchOptions& options, Url url, std::optional<Truth> truth)
-      : service_(service), options_(options), url_(std::move(url)), truth_(std::move(truth)) {
+      : service_(service),
+        options_(options),
+        url_(std::move(url)),
+        truth_(std::move(truth)),
+        questions_(asks_at(url_), now_s) {
     const bool terminal = !service.json && Terminal::there();
     interval_ = from_seconds(options.interval_s > 0.0 ? options.interval_s : terminal ? 0.1 : 1.0);
     if (options.limit_s > 0.0) give_up_ = in(from_seconds(options.limit_s));
@@ -121,9 +136,7 @@ class Watch {
     back_ = connected_;
     connected_ = true;
     state_.trouble.clear();
-    knows_earlier_ = false;  // dwells may have ended while there was no stream
-    knows_since_ = knows_last_ = false;
-    ask_at_ = in(kAsk);  // the stream's first word comes first
+    questions_.stream_began();
     if (!wakeups_) wakeups_.emplace();
     if (service_.json || terminal_ || !Terminal::there()) return;
     terminal_.emplace();
@@ -174,7 +187,7 @@ class Watch {
     const auto& before = state_.dwell();
     const bool changed = !before || before->dwell.state != view->dwell.state ||
                          before->dwell.index != view->dwell.index || estimated_anew(*before, *view);
-    if (changed) knows_since_ = knows_last_ = false;
+    if (changed) questions_.state_changed();
     state_.take(std::move(*view), now_s());
     const Dwell& dwell = state_.dwell()->dwell;
     const auto& age = state_.dwell()->age;
@@ -196,78 +209,9 @@ class Watch {
     return !truth_ || agreed_ ? kDone : kNo;
   }
 
-  // For the screen: how the channels and the GPIO lines stand, and the alarms, which the stream does not tell.
+  // For the screen: what the stream does not tell.
   void ask() {
-    if (!terminal_ || SteadyClock::now() < ask_at_) return;
-    HttpLimits limits;
-    limits.time = kAsk;
-    const auto channels = http_get(url_, "/api/v1/channels", limits);
-    const auto alarms = channels ? http_get(url_, "/api/v1/alarms", limits) : channels;
-    // A refusal leaves what was known before, which grows old.
-    if (alarms)
-      if (auto list = alarms_from_json(Json::parse(alarms->body, nullptr, false)))
-        state_.take(std::move(*list), now_s());
-    const auto health = channels ? http_get(url_, "/api/v1/health", limits) : channels;
-    // Who does not answer is asked less often, since keys wait for the answer.
-    ask_at_ = in(health ? kAsk : 10 * kAsk);
-    if (!health) return;
-    const Json list = Json::parse(channels->body, nullptr, false);
-    if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
-    const Json value = Json::parse(health->body, nullptr, false);
-    const std::string rig = text_member(value, "rig"), sha256 = text_member(value, "rig_sha256");
-    if (!rig.empty() && !sha256.empty() && state_.take_rig(rig, sha256))
-      knows_earlier_ = knows_since_ = knows_last_ = false;
-    if (const auto utc_ns = record::parse_utc(text_member(value, "utc"))) state_.take_utc(*utc_ns, now_s());
-    ask_earlier(text_member(value, "utc"), limits);
-    ask_unverified(limits);
-    ask_since(limits);
-    ask_last(limits);
-    state_.take_run(run_text(value));
-    if (value.is_object() && value.contains("gpio")) state_.take_gpio(gpio_text(value), now_s());
-  }
-
-  // While the dwell's model has no verdict: why.
-  void ask_unverified(const HttpLimits& limits) {
-    const auto& view = state_.dwell();
-    if (!view || !view->model || view->model->verdict != Verdict::not_verified) return;
-    if (const auto answer = http_get(url_, "/api/v1/verification", limits))
-      state_.take(why_unverified(Json::parse(answer->body, nullptr, false)));
-  }
-
-  // Once for each state of which the dwell does not tell since when it is so.
-  void ask_since(const HttpLimits& limits) {
-    if (knows_since_ || !state_.dwell() || state_.since_utc_ns()) return;
-    knows_since_ = true;
-    const State state = state_.dwell()->dwell.state;
-    if (const auto answer = http_get(url_, "/api/v1/events", limits))
-      if (const auto utc_ns = state_since(Json::parse(answer->body, nullptr, false), state))
-        state_.take_since(state, *utc_ns);
-  }
-
-  // Asks how the last dwell ended, and for the verdicts on it, once whenever none is measured.
-  void ask_last(const HttpLimits& limits) {
-    if (knows_last_ || !state_.dwell()) return;
-    const State state = state_.dwell()->dwell.state;
-    knows_last_ = true;
-    if (state != State::idle && state != State::fault && state != State::complete) return;
-    const auto answer = http_get(url_, "/api/v1/dwells?count=1", limits);
-    const Json list = answer ? Json::parse(answer->body, nullptr, false) : Json();
-    const Json* const dwells = member_of(list, "dwells");
-    if (dwells == nullptr || !dwells->is_array() || dwells->empty()) return;
-    if (auto last = parse_dwell(dwells->back().dump())) state_.take_last(std::move(*last));
-  }
-
-  // Once for each stream: the dwells of the last hour, for the trend. utc: the service's now.
-  void ask_earlier(const std::string& utc, const HttpLimits& limits) {
-    if (knows_earlier_) return;
-    const auto answer = [&](const std::string& path) -> std::optional<Json> {
-      const auto answered = http_get(url_, path, limits);
-      if (!answered) return std::nullopt;
-      return Json::parse(answered->body, nullptr, false);
-    };
-    const auto dwells = ask_earlier_dwells(answer, utc, Trend::kSpan_s);
-    if (dwells) state_.take(*dwells, now_s());
-    knows_earlier_ = dwells.has_value();
+    if (terminal_) questions_.turn(state_);
   }
 
   // Signals and keys. true: the operator ends it.
@@ -385,7 +329,7 @@ class Watch {
   std::optional<Terminal> terminal_;  // where there is one
   Milliseconds interval_{};
   std::optional<Deadline> give_up_;
-  Deadline ask_at_;
+  Questions questions_;
   DwellFollower follower_;
   WatchState state_;
   std::optional<WatchState> frozen_;  // as it was when the operator paused
@@ -394,13 +338,10 @@ class Watch {
   Page page_;                  // as last shown
   SteadyClock::time_point shown_;
   bool connected_ = false;
-  bool knows_earlier_ = false;  // the dwells of the last hour
-  bool knows_since_ = false;    // since when the state is so, or that nobody tells it
-  bool knows_last_ = false;     // the last dwell, where there is none now
-  bool back_ = false;           // connected again, and not yet said
-  std::string said_;            // the status line as last appended
-  bool agreed_ = false;         // with the truth
-  std::string why_;             // what to say on standard error at the end
+  bool back_ = false;    // connected again, and not yet said
+  std::string said_;     // the status line as last appended
+  bool agreed_ = false;  // with the truth
+  std::string why_;      // what to say on standard error at the end
 };
 
 }  // namespace

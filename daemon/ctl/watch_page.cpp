@@ -78,7 +78,8 @@ std::string instant_text(std::int64_t utc_ns, std::int64_t now_utc_ns) {
 
 // What stands behind the state on the page: run, frequency, since when. What is not known is left out.
 std::string facts_of(const WatchState& state, double now_s) {
-  std::vector<std::string> facts{state.run(), frequency_text(state.dwell()->dwell)};
+  std::vector<std::string> facts{state.played() != Played::none ? "recording, not live" : "", state.run(),
+                                 frequency_text(state.dwell()->dwell)};
   const auto since_ns = state.since_utc_ns(), now_ns = state.utc_ns(now_s);
   if (since_ns && now_ns)
     facts.push_back("since " + instant_text(*since_ns, *now_ns) + " (" +
@@ -110,7 +111,9 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, "PAUSED for " + age_text(now_s - *controls.paused_s) + "; space goes on", columns, Style::alarm);
   }
   if (!state.trouble.empty()) add(lines, "NO CONNECTION: " + state.trouble, columns, Style::alarm);
-  if (state.dwell() && state.old(now_s)) {
+  if (state.dwell() && state.played() == Played::to_its_end && state.trouble.empty()) {
+    add(lines, "NOT OF NOW: the recording has been played to its end", columns, Style::plain);
+  } else if (state.dwell() && state.old(now_s)) {
     const std::string why = controls.paused_s ? "paused" : why_old(state, now_s);
     add(lines, "OLD NUMBERS, from " + age_text(state.age_s(now_s)) + " ago: " + why, columns, Style::alarm);
   }
@@ -286,12 +289,18 @@ std::vector<Section> sections_of(const WatchState& state, const Truth* truth, st
   return sections;
 }
 
+// What is so, in words. A recording at its end looks like a rig whose transducers have gone.
+std::string said(const WatchState& state, double now_s) {
+  if (state.played() == Played::to_its_end) return "recording ended";
+  return (state.old(now_s) ? "last seen: " : "") + headline(*state.dwell());
+}
+
 // The first line after the title: what is so, and whether it may be relied on.
 TextLine state_line(const WatchState& state, const Places& places, double now_s) {
   if (!state.dwell()) return {"waiting for the service's first word", Style::plain};
   const Dwell& dwell = state.dwell()->dwell;
   const bool old = state.old(now_s);
-  const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
+  const std::string text = said(state, now_s) + verdict_of(state) +
                            count_of(dwell.doubts.size(), "doubt", 0, places.pages) +
                            count_of(warnings_in(*state.dwell()), "warning", places.warnings, places.pages);
   const Style style = old                     ? Style::old
@@ -308,10 +317,10 @@ std::vector<TextLine> header_of(const WatchState& state, const Controls& control
       {spread(printable(state.name), "age " + age_of(state, now_s) + " · " + clock, columns), Style::title});
   const TextLine line = state_line(state, places, now_s);
   add(header, line.text, columns, line.style);
-  for (TextLine& alarm : alarms(state, controls, where_of(places.alarms, places.pages), columns, now_s))
-    header.push_back(std::move(alarm));
   if (const std::string facts = state.dwell() ? facts_of(state, now_s) : ""; !facts.empty())
     add(header, facts, columns, current(state, now_s) ? Style::plain : Style::old);
+  for (TextLine& alarm : alarms(state, controls, where_of(places.alarms, places.pages), columns, now_s))
+    header.push_back(std::move(alarm));
   return header;
 }
 
@@ -373,10 +382,10 @@ std::string last_words(const WatchState& state, const Truth* truth, double now_s
   std::vector<Section> sections = dwell_sections(*state.dwell(), options_of(state, truth, kUnlimited, now_s));
   Section head;
   if (!state.name.empty()) head.body.push_back({printable(state.name), Style::plain});
-  for (TextLine& line : alarms(state, {}, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
-  head.body.push_back({(state.old(now_s) ? "last seen: " : "") + headline(*state.dwell()), Style::plain});
+  head.body.push_back({said(state, now_s), Style::plain});
   if (const std::string facts = facts_of(state, now_s); !facts.empty())
     head.body.push_back({printable(facts), Style::plain});
+  for (TextLine& line : alarms(state, {}, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
   sections.insert(sections.begin(), std::move(head));
   if (Section list = alarms_section(state.alarms(), kUnlimited); !list.body.empty())
     sections.push_back(std::move(list));

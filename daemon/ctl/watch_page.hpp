@@ -3,8 +3,8 @@
 //
 //   three masses                                          age 0.1 s · 14:03:22
 //   dwell 1 · measuring, 24.6 s of data · model adequate · 2 warnings, page 2
-//   (what is wrong: no connection, old numbers, paused; that the dwell has ended; alarms that nobody has acknowledged)
 //   run 17, “rubber 3” · 4.000300 ± 0.000039 Hz · since 14:02:58 (24 s)
+//   (what is wrong: no connection, old numbers, paused; that the dwell has ended; alarms that nobody has acknowledged)
 //
 //   (doubts, coefficients, their trend, their deviation from the dwell before, limits, warnings, settling, channels:
 //   dwell_sections(); then the alarms)

@@ -58,6 +58,19 @@ std::string run_text(const Json& health) {
   return recorded->get<bool>() ? "no run goes on" : "not recorded";
 }
 
+Played played(const Json& health) {
+  const Json* const devices = member_of(health, "devices");
+  if (devices == nullptr || !devices->is_array()) return Played::none;
+  const auto says = [](const Json& device, const char* name) {
+    const Json* const value = member_of(device, name);
+    return value != nullptr && value->is_boolean() && value->get<bool>();
+  };
+  if (std::none_of(devices->begin(), devices->end(), [&](const Json& d) { return says(d, "recorded"); }))
+    return Played::none;
+  const bool ended = std::all_of(devices->begin(), devices->end(), [&](const Json& d) { return says(d, "ended"); });
+  return ended ? Played::to_its_end : Played::going_on;
+}
+
 std::optional<std::int64_t> state_since(const Json& events, State state) {
   const Json* const list = member_of(events, "events");
   if (list == nullptr || !list->is_array()) return std::nullopt;

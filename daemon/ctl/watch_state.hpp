@@ -40,6 +40,10 @@ struct WhyUnverified {
 // told.
 [[nodiscard]] std::string run_text(const nlohmann::ordered_json& health);
 
+// Whether the service plays a recording by its health, and how far.
+enum class Played : std::uint8_t { none, going_on, to_its_end };
+[[nodiscard]] Played played(const nlohmann::ordered_json& health);
+
 // Since when the service is in this state by the list of its events, ns of UTC; nullopt: they do not tell.
 [[nodiscard]] std::optional<std::int64_t> state_since(const nlohmann::ordered_json& events, State state);
 
@@ -96,6 +100,9 @@ class WatchState {
   // known of dwells is of that one, and is forgotten.
   bool take_rig(std::string called, std::string sha256);
   void take_run(std::string text) { run_ = std::move(text); }
+  void take_played(Played played) { played_ = played; }
+  // Runs of the last hour that the trend lacks, since their dwells are not told: "run 7".
+  void take_lacking(std::vector<std::string> runs) { trend_.take_lacking(std::move(runs)); }
   // Since when the service is in this state, where the dwell does not tell it.
   void take_since(State state, std::int64_t utc_ns) { since_ = {state, utc_ns}; }
   // The dwells that ended before the stream began, while it was lost, or meanwhile.
@@ -142,6 +149,7 @@ class WatchState {
   [[nodiscard]] double last_ago_s(double now_s) const { return last_ ? data_ago_s(*last_, now_s) : kNaN; }
 
   [[nodiscard]] const std::string& run() const noexcept { return run_; }
+  [[nodiscard]] Played played() const noexcept { return played_; }
   // When the state in view began, ns of UTC; nullopt: not known.
   [[nodiscard]] std::optional<std::int64_t> since_utc_ns() const;
   // The service's time of day, ns of UTC; nullopt: not known.
@@ -172,6 +180,7 @@ class WatchState {
   Renewals renewals_;
   Trend trend_;
   std::string run_;
+  Played played_ = Played::none;
   std::string rig_;  // SHA-256 of its file; empty: not told yet
   std::optional<std::pair<State, std::int64_t>> since_;
   Heard<std::vector<ChannelState>> channels_;

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <regex>
+
+#include "tests/ctl/watched.hpp"
+
 namespace dwell::ctl {
 namespace {
 
@@ -22,10 +26,24 @@ TEST(Terminal, ASequenceThatIsNotKnownIsNoKey) {
   EXPECT_EQ(keys_in("\x1b[23~q"), Keys{Key::quit});
 }
 
-TEST(Terminal, OldNumbersAreGreyAndWithoutColoursFaint) {
+TEST(Terminal, OldNumbersAreStruckAndGreyWithoutColoursFaint) {
   const std::vector<TextLine> lines{{"± 1", Style::plain}, {"24 kN/m", Style::old}, {"no", Style::alarm}};
-  EXPECT_EQ(frame(lines, true), "\x1b[H± 1\x1b[K\r\n\x1b[90m24 kN/m\x1b[0m\x1b[K\r\n\x1b[1;31mno\x1b[0m\x1b[K\x1b[J");
-  EXPECT_EQ(frame(lines, false), "\x1b[H± 1\x1b[K\r\n\x1b[2m24 kN/m\x1b[0m\x1b[K\r\n\x1b[1;7mno\x1b[0m\x1b[K\x1b[J");
+  EXPECT_EQ(frame(lines, true), "\x1b[H± 1\x1b[K\r\n\x1b[90;9m24 kN/m\x1b[0m\x1b[K\r\n\x1b[1;31mno\x1b[0m\x1b[K\x1b[J");
+  EXPECT_EQ(frame(lines, false), "\x1b[H± 1\x1b[K\r\n\x1b[2;9m24 kN/m\x1b[0m\x1b[K\r\n\x1b[1;7mno\x1b[0m\x1b[K\x1b[J");
+}
+
+// Select Graphic Rendition (ECMA-48, 8.3.117): 30 … 38 and 90 … 97 set a colour.
+bool has_colour(const std::string& bytes) {
+  return std::regex_search(bytes, std::regex("\x1b\\[([0-9;]*;)?(3[0-8]|4[0-8]|9[0-7]|10[0-7])[;m]"));
+}
+
+TEST(Terminal, WhatIsNormalHasNoColour) {
+  EXPECT_TRUE(has_colour(frame({{"24 kN/m", Style::old}}, true)));
+  EXPECT_TRUE(has_colour(frame({{"no", Style::alarm}}, true)));
+  for (const DwellView& view : {test::chain(3), test::settling_view()}) {
+    const Page page = test::at(test::watched(view), {}, {40, 120});
+    EXPECT_FALSE(has_colour(frame(page.lines, true))) << test::text_of(page);
+  }
 }
 
 }  // namespace

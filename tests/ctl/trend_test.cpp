@@ -75,11 +75,21 @@ TEST(Trend, EarlierDwellsStandFromTheirFirstToTheirLastDatum) {
   EXPECT_EQ(trend.section(view_of(1000.0), 1001.0, 80).head[0].text.substr(0, 24), "trend of the last 601 s;");
 }
 
-TEST(Trend, HasNoGapWhereTheConnectionWasLostAmidADwell) {
+TEST(Trend, IsBlankWhereTheConnectionWasLostAmidADwell) {
   Trend trend;
   for (int i = 0; i <= 20; ++i) trend.take(view_of(1000.0, 100.0 + i), 100.0 + i);
   for (int i = 100; i <= 101; ++i) trend.take(view_of(1000.0, 100.0 + i), 100.0 + i);
-  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0, 200.0), 201.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2 %");
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0, 200.0), 201.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅       ▅  ± 2 %");
+}
+
+TEST(Trend, IsBlankWhereTheEstimationTellsTheSameAgain) {
+  Trend trend;
+  for (int i = 0; i <= 60; ++i) {
+    DwellView view = view_of(1000.0, std::min(i, 30));
+    view.age = LiveAge{std::max(0.0, i - 30.0), i > 33};
+    trend.take(view, i);
+  }
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0, 30.0), 60.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅          ± 2 %");
 }
 
 TEST(Trend, DwellsThatEndedWhileTheConnectionWasLostStandWhereTheyWere) {

@@ -20,9 +20,9 @@ TEST(WatchOld, NumbersOfAServiceThatHasGoneAreGreyAndMarkedWithTheirAge) {
   const Page page = at(state, {}, kUsual, 878.0);
   EXPECT_EQ(text_of(page), R"(bench 2                                                     age 778 s · 14:03:22
 last seen: dwell 1 · measuring, 24.6 s of data
+4.000300 ± 0.000039 Hz
 NO CONNECTION: trying again, http://bench2:8380: Connection refused
 OLD NUMBERS, from 778 s ago: the service has said nothing for 778 s
-4.000300 ± 0.000039 Hz
 
 element    age  stiffness            damping             most of u²(c)
       1  778 s  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
@@ -49,7 +49,7 @@ space pause  n b page 1 of 2  q quit
       EXPECT_EQ(line.style, Style::old) << line.text;
     }
   }
-  EXPECT_EQ(page.lines[2].style, Style::alarm);
+  EXPECT_EQ(page.lines[3].style, Style::alarm);
 }
 
 TEST(WatchOld, OnlyTheStaleChannelIsGrey) {
@@ -111,10 +111,10 @@ TEST(WatchOld, PausedNumbersGrowOldAndTheScreenSaysThatItIsPaused) {
   Controls controls;
   controls.paused_s = 100.1;
   const Page soon = at(watched(chain(1)), controls, kUsual, 101.1);
-  EXPECT_EQ(soon.lines[2].text, "PAUSED for 1.0 s; space goes on");
+  EXPECT_EQ(soon.lines[3].text, "PAUSED for 1.0 s; space goes on");
   EXPECT_EQ(soon.lines[6].style, Style::plain);
   const Page later = at(watched(chain(1)), controls, kUsual, 120.1);
-  EXPECT_EQ(later.lines[3].text, "OLD NUMBERS, from 20 s ago: paused");
+  EXPECT_EQ(later.lines[4].text, "OLD NUMBERS, from 20 s ago: paused");
   EXPECT_EQ(later.lines[7].style, Style::old);
   EXPECT_EQ(later.lines.back().text, "space go on  q quit");
 }
@@ -123,10 +123,10 @@ TEST(WatchOld, PausedNumbersGrowOldAndTheScreenSaysThatItIsPaused) {
 TEST(WatchOld, ASilentEstimationIsNotTakenForASilentService) {
   WatchState state = watched(chain(1));
   for (int i = 1; i <= 3; ++i) state.take(std::vector<ChannelState>(), 100.0 + i);
-  EXPECT_EQ(at(state, {}, kUsual, 103.0).lines[2].text,
+  EXPECT_EQ(at(state, {}, kUsual, 103.0).lines[3].text,
             "OLD NUMBERS, from 3.0 s ago: the service answers, but its estimation publishes");
-  EXPECT_EQ(at(state, {}, kUsual, 103.0).lines[3].text, "  nothing new");
-  EXPECT_EQ(at(state, {}, kUsual, 106.0).lines[2].text,
+  EXPECT_EQ(at(state, {}, kUsual, 103.0).lines[4].text, "  nothing new");
+  EXPECT_EQ(at(state, {}, kUsual, 106.0).lines[3].text,
             "OLD NUMBERS, from 6.0 s ago: the service has said nothing for 3.0 s");
 }
 
@@ -136,7 +136,7 @@ TEST(WatchOld, ADwellThatTheServiceCallsStaleIsOldAtOnceWithItsTrueAge) {
   const Page page = at(watched(view), {}, kUsual, 101.0);
   EXPECT_EQ(page.lines[0].text.substr(page.lines[0].text.find("age")), "age 679 s · 14:03:22");
   EXPECT_EQ(page.lines[1].text.substr(0, 11), "last seen: ");
-  EXPECT_EQ(page.lines[2].text, "OLD NUMBERS, from 679 s ago: the service answers, but its estimation publishes");
+  EXPECT_EQ(page.lines[3].text, "OLD NUMBERS, from 679 s ago: the service answers, but its estimation publishes");
   for (const TextLine& line : page.lines)
     if (line.text.find("± 0") != std::string::npos) {
       EXPECT_EQ(line.style, Style::old) << line.text;
@@ -171,7 +171,7 @@ TEST(WatchOld, InterlockAndAlarmsThatAreNotAnsweredAnyLongerAreOfWhenTheyWereHea
     view.dwell.end_s += now_s;
     state.take(std::move(view), now_s);
     const Page page = at(state, {}, kUsual, now_s);
-    return page.lines[2].text + "; " + page.lines[3].text;
+    return page.lines[3].text + "; " + page.lines[4].text;
   };
   EXPECT_EQ(shown(104.9), "interlock  closed; 1 alarm not acknowledged, page 1");
   EXPECT_EQ(shown(105.1), "when last heard: interlock  closed; when last heard: 1 alarm not acknowledged, page 1");
@@ -193,7 +193,7 @@ TEST(WatchOld, ARunThatWasStoppedLeavesAResultWithTheTimeSinceItsEnd) {
   EXPECT_EQ(page.lines[0].text.substr(page.lines[0].text.find("age")), "age 56 s · 14:03:22");
   EXPECT_EQ(page.lines[1].text, "dwell 1 · complete, ended by: end, 24.6 s of data");
   EXPECT_EQ(page.lines[1].style, Style::old);
-  EXPECT_EQ(page.lines[2].text,
+  EXPECT_EQ(page.lines[3].text,
             "NOT OF NOW, ended 56 s ago: the run was stopped: the next one begins with \"dwellctl start\"");
   EXPECT_EQ(text_of(page).find("OLD NUMBERS"), std::string::npos) << text_of(page);
   int numbers = 0;
@@ -235,7 +235,7 @@ TEST(WatchOld, AResultKeepsTheVerdictsOnItsLimitsAndItsModel) {
 }
 
 TEST(WatchOld, ADwellThatHadEndedBeforeTheRunWasStoppedKeepsItsCause) {
-  EXPECT_EQ(at(watched(stopped(EndedBy::data_lost)), {}, {40, 120}).lines[2].text,
+  EXPECT_EQ(at(watched(stopped(EndedBy::data_lost)), {}, {40, 120}).lines[3].text,
             "NOT OF NOW, ended: data lost; the run was stopped: the next one begins with \"dwellctl start\"");
 }
 
@@ -244,14 +244,14 @@ TEST(WatchOld, AResultOfAServiceThatFellSilentIsOldAsWell) {
   state.take_utc(*record::parse_utc("2026-11-21T08:01:27Z"), 100.0);
   const Page page = at(state, {}, {40, 120}, 112.0);
   EXPECT_EQ(page.lines[1].text, "last seen: dwell 1 · complete, ended by: end, 24.6 s of data");
-  EXPECT_EQ(page.lines[2].text, "OLD NUMBERS, from 12 s ago: the service has said nothing for 12 s");
-  EXPECT_EQ(page.lines[3].text.substr(0, 28), "NOT OF NOW, ended 68 s ago: ");
+  EXPECT_EQ(page.lines[3].text, "OLD NUMBERS, from 12 s ago: the service has said nothing for 12 s");
+  EXPECT_EQ(page.lines[4].text.substr(0, 28), "NOT OF NOW, ended 68 s ago: ");
 }
 
 TEST(WatchOld, WithoutAConnectionTheServiceIsTheOneThatIsSilent) {
   WatchState state = watched(chain(1));
   state.trouble = "the stream was lost";
-  EXPECT_EQ(at(state, {}, kUsual, 100.5).lines[3].text,
+  EXPECT_EQ(at(state, {}, kUsual, 100.5).lines[4].text,
             "OLD NUMBERS, from 0.5 s ago: the service has said nothing for 0.5 s");
 }
 
