@@ -131,8 +131,7 @@ struct Service::Impl {
   }
 
   void each_outlet(const std::function<void(Outlet&)>& call) {
-    call_each({log_lines.get(), session->record_events(), session->lamps(), systemd.get(), http.get(), plc.get()},
-              call);
+    call_each({log_lines.get(), session->lamps(), systemd.get(), http.get(), plc.get()}, call);
   }
   void tell_events() {
     for (RunEvent event; session->run().next_event(event);)

@@ -207,6 +207,7 @@ void RunCycle::told(RunPipeline& by, RunEvent event) {
   } else {
     event.before = std::exchange(told_, event.dwell->state);
     if (event.before == told_) return;
+    tap_.state({newest_ns_, event.before}, event.dwell);
   }
   tell_(std::move(event));
 }
@@ -216,7 +217,9 @@ void RunCycle::tell_state() {
   Measurement& shown = live_.front()->measurement();
   if (run_.held || shown.state() == told_) return;
   const State before = std::exchange(told_, shown.state());
-  tell_({RunEvent::Kind::state_changed, before, std::make_shared<const Dwell>(shown.current())});
+  auto after = std::make_shared<const Dwell>(shown.current());
+  tap_.state({newest_ns_, before}, after);
+  tell_({RunEvent::Kind::state_changed, before, std::move(after)});
 }
 
 bool RunCycle::nothing_waits() const noexcept {

@@ -37,6 +37,10 @@ class RunTap {
   void ended(const RunPipeline& run, std::shared_ptr<const Dwell> dwell) {
     if (sink_ != nullptr) sink_->result(run.position(), true, std::move(dwell));
   }
+  // The shown state has changed, whether a run goes on or not.
+  void state(const record::StateChange& change, std::shared_ptr<const Dwell> after) {
+    if (sink_ != nullptr) sink_->state(change, std::move(after));
+  }
 
  private:
   record::StreamSink* sink_;

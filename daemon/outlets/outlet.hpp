@@ -12,9 +12,6 @@
 namespace dwell {
 
 class Notifier;
-namespace record {
-class Recorder;
-}
 
 class Outlet {
  public:
@@ -33,8 +30,6 @@ void call_each(std::initializer_list<Outlet*> outlets, const std::function<void(
 
 // The run in the log: a line for each change of state and each finished dwell.
 [[nodiscard]] std::unique_ptr<Outlet> make_log_lines(Log& log);
-// Every change of state as an event in the file of the run.
-[[nodiscard]] std::unique_ptr<Outlet> make_record_events(record::Recorder& recorder);
 // The rig's lamps, `ready` and `fault`.
 [[nodiscard]] std::unique_ptr<Outlet> make_lamps(gpio::Link& lines);
 // The line that `systemctl status` shows: "measuring, dwell 3, 4 Hz", and the reasons where all is not well.

@@ -58,6 +58,10 @@ Result<FileEnd> end_of_file(const std::string& directory, CutOffRun run) {
   found.seq = last->entry.seq;
   found.closed = last->entry.kind == "end" || last->entry.kind == "signature";
   const auto header = parse_run_header((*first)->entry.body);
+  if (header) {
+    found.run.label = header->label;
+    found.run.comment = header->comment;
+  }
   const auto began_ns = header ? parse_utc(header->start_utc) : tl::unexpected(header.error());
   if (began_ns) found.run.until_utc = iso_utc(*began_ns + last->entry.t_ns - (*first)->entry.t_ns);
   return found;

@@ -14,7 +14,8 @@ struct CutOffRun {
   std::int64_t run = 0;
   std::string file;       // its name in the directory; empty: there is none
   std::string until_utc;  // of its last entry; empty: not known
-  std::string trouble;    // why its file cannot be read, so that the ledger has no head of it; empty: it can
+  std::string label, comment;
+  std::string trouble;  // why its file cannot be read, so that the ledger has no head of it; empty: it can
 };
 
 // The end of a file that nobody writes any more.

@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "daemon/record/run_entries.hpp"
-
 namespace dwell::record {
 
 // Bound to one thread. Instants: of the raw clock.
@@ -18,10 +16,10 @@ class Interruption {
 
   // How the last run was interrupted, in words; the run that goes on says it.
   void interrupted_by(std::string how) { how_ = std::move(how); }
-  // This run is interrupted, or could not begin: the one that goes on keeps its label and comment.
-  void keep_label_of(const RunHeader& run) {
-    label_ = run.label;
-    comment_ = run.comment;
+  // Of a run that is interrupted, or could not begin: the one that goes on keeps them.
+  void keep_label(std::string label, std::string comment) {
+    label_ = std::move(label);
+    comment_ = std::move(comment);
   }
   void stopped(std::string why, std::int64_t now_ns) {
     why_ = std::move(why);

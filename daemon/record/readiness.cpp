@@ -41,6 +41,7 @@ void Readiness::opened() {
   text += cut_off->file.empty() ? ", it has no file" : ", " + cut_off->file;
   if (!cut_off->trouble.empty()) text += "; it cannot be read, and the ledger has no head of it: " + cut_off->trouble;
   log_.interrupted(text);
+  log_.keep_label(cut_off->label, cut_off->comment);
   log_.goes_on();
   tell_({Notice::Grade::warning, text, cut_off->run, {}});
 }

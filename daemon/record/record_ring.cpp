@@ -49,11 +49,15 @@ void RecordRing::push(const Record& record) noexcept {
 }
 
 void RecordRing::push(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) noexcept {
-  push(RingResult{position, final, std::move(dwell), {}, pushed_});
+  push(RingResult{position, final, std::move(dwell), {}, {}, pushed_});
 }
 
 void RecordRing::push(std::uint64_t position, ModelResult model) noexcept {
-  push(RingResult{position, false, nullptr, std::move(model), pushed_});
+  push(RingResult{position, false, nullptr, std::move(model), {}, pushed_});
+}
+
+void RecordRing::push(const StateChange& change, std::shared_ptr<const Dwell> after) noexcept {
+  push(RingResult{0, false, std::move(after), {}, change, pushed_});
 }
 
 void RecordRing::push(RingResult result) noexcept {

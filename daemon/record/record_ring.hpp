@@ -1,4 +1,4 @@
-// Carries records, and the results published between them, in order from the estimation thread to the recorder.
+// Carries records, and what is published between them, in order from the estimation thread to the recorder.
 // Bounded; neither side ever waits for the other.
 //
 // If the recorder falls behind until the ring is full, records are dropped until half of the ring is free again. The
@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/result/dwell.hpp"
@@ -23,13 +24,14 @@ namespace dwell::record {
 // service). rate_hz: samples per second, all channels together; a thousand other records a second are added.
 [[nodiscard]] std::size_t ring_records(double rate_hz) noexcept;
 
-// A result on its way.
+// A result on its way, or a change of state.
 struct RingResult {
-  std::uint64_t position = 0;
+  std::uint64_t position = 0;  // of a result
   bool final = false;
   std::shared_ptr<const Dwell> dwell;  // null: it is `model`
   ModelResult model;
-  std::uint64_t after = 0;  // records that entered the ring before it
+  std::optional<StateChange> change;  // then it is no result; `dwell` is as it stood after the change
+  std::uint64_t after = 0;            // records that entered the ring before it
 };
 
 // push() belongs to the estimation thread, drain() to the recorder's; the counters may be read on any thread.
@@ -47,6 +49,7 @@ class RecordRing {
   void push(const Record& record) noexcept;
   void push(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) noexcept;
   void push(std::uint64_t position, ModelResult model) noexcept;
+  void push(const StateChange& change, std::shared_ptr<const Dwell> after) noexcept;
 
   struct Reader {
     std::function<void(const Record&)> record;

@@ -79,7 +79,8 @@ struct Recorder::Impl {
         folder(options.folder),
         keeper({options.folder.directory, options.retention, options.anchor, options.clock_synchronized}, folder, list,
                options.tell),
-        log(folder, {options.header, options.dwell_json, options.model_json, options.tell, options.names}),
+        log(folder,
+            {options.header, options.dwell_json, options.model_json, options.state_line, options.tell, options.names}),
         thread([this] { run(); }) {}
   ~Impl() { finish(); }
   Impl(const Impl&) = delete;
@@ -142,7 +143,9 @@ struct Recorder::Impl {
                   log.record(record);
                 },
                 [this](const RingResult& result) {
-                  if (result.dwell)
+                  if (result.change)
+                    log.state(*result.change, *result.dwell);
+                  else if (result.dwell)
                     log.result(result.position, result.final, *result.dwell);
                   else
                     log.model(result.position, result.model);
@@ -232,6 +235,9 @@ void Recorder::result(std::uint64_t position, bool final, std::shared_ptr<const 
   impl_->ring.push(position, final, std::move(dwell));
 }
 void Recorder::model(std::uint64_t position, ModelResult result) { impl_->ring.push(position, std::move(result)); }
+void Recorder::state(const StateChange& change, std::shared_ptr<const Dwell> after) {
+  impl_->ring.push(change, std::move(after));
+}
 void Recorder::request(Request request) { impl_->inbox.put(std::move(request)); }
 Obstacle Recorder::obstacle() const {
   const std::lock_guard lock(impl_->mutex);

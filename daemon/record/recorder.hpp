@@ -26,10 +26,11 @@ struct RecorderOptions {
   RetentionPolicy retention;
   AnchorTarget anchor;
   double rate_hz = 0.0;  // samples per second of all channels together: sizes the buffer
-  // These four are called on the recorder's thread and must not wait. The first three: see RunLogOptions.
+  // These five are called on the recorder's thread and must not wait. The first four: see RunLogOptions.
   std::function<RunHeader()> header;
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
   std::function<StoredModel(const ModelResult&)> model_json;
+  std::function<std::string(State before, const Dwell& after)> state_line;
   Tell tell;
   StreamNames names;
   // HousekeepingOptions
@@ -71,6 +72,7 @@ class Recorder final : public StreamSink, public RequestSink {
   void record(const Record& record) noexcept override;
   void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) override;
   void model(std::uint64_t position, ModelResult result) override;
+  void state(const StateChange& change, std::shared_ptr<const Dwell> after) override;
   void request(Request request) override;
   [[nodiscard]] Obstacle obstacle() const override;
   // Stores the event in the file of the current run, or of the next run if that reaches back so far. Thread-safe, short

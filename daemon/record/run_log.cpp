@@ -97,6 +97,14 @@ void RunLog::model(std::uint64_t position, const ModelResult& result) {
   publish(model.kind, position, to_json(model));
 }
 
+void RunLog::state(const StateChange& change, const Dwell& after) {
+  StoredEvent event;
+  event.utc = iso_utc(utc_of(now_, change.t_ns));
+  event.what = "state";
+  event.text = options_.state_line(change.before, after);
+  this->event(std::move(event));
+}
+
 void RunLog::publish(std::string kind, std::uint64_t position, std::string body) {
   if (body.size() <= kMaxJson) return notes_.push_back({std::move(kind), 0, std::move(body)});
   StoredEvent event = own_event("the " + kind + " here is not recorded: it has " + std::to_string(body.size()) +
@@ -133,7 +141,7 @@ void RunLog::gap(std::uint64_t lost) {
     const bool goes_on = run_->ending.empty();
     if (goes_on) {
       note(own_event(text));
-      interruption_.keep_label_of(run_->header);
+      keep_label(run_->header.label, run_->header.comment);
     }
     end_now(why);
     if (goes_on) interrupted(run + " ended: " + text);
@@ -182,10 +190,9 @@ std::vector<NewEntry> RunLog::take_batch() {
 
 // Like the block beside them they cover the time up to t_ns.
 std::vector<NewEntry> RunLog::take_notes(std::int64_t t_ns) {
-  for (StoredEvent& told : told_by_stream_.drain(options_.names)) {
-    told.utc = utc_now();
+  const auto utc_at = [this](std::int64_t at_ns) { return iso_utc(utc_of(now_, at_ns)); };
+  for (const StoredEvent& told : told_by_stream_.drain(options_.names, utc_at))
     notes_.push_back({"event", 0, to_json(told)});
-  }
   std::vector<NewEntry> notes = std::exchange(notes_, {});
   for (NewEntry& note : notes) note.t_ns = t_ns;
   return notes;
@@ -230,7 +237,7 @@ void RunLog::begin(const Record& edge) {
   }
   add_early_events(born, batch.back().t_ns, batch);
   if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) {
-    interruption_.keep_label_of(run.header);
+    keep_label(run.header.label, run.header.comment);
     return stop(begun.error());
   }
   run.committed_ns = now_.raw_ns;
@@ -282,7 +289,7 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;
   batch.push_back({"event", run_->last_t_ns, to_json(event)});
-  interruption_.keep_label_of(run_->header);
+  keep_label(run_->header.label, run_->header.comment);
   close(std::move(batch), reason);
   interrupted(run + " ended: " + reason);
   stop(reason);

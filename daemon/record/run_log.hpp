@@ -45,6 +45,8 @@ struct RunLogOptions {
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
   // The entry of an estimate or a verification, without position and utc.
   std::function<StoredModel(const ModelResult&)> model_json;
+  // A change of state, in one line.
+  std::function<std::string(State before, const Dwell& after)> state_line;
   Tell tell;
   StreamNames names;
 };
@@ -71,6 +73,8 @@ class RunLog {
   void record(const Record& record);
   void result(std::uint64_t position, bool final, const Dwell& dwell);
   void model(std::uint64_t position, const ModelResult& result);
+  // After the record that came last.
+  void state(const StateChange& change, const Dwell& after);
   // Fills in the event's position and instant if they are not given.
   void event(StoredEvent event);
   // `lost` records of the stream are missing here: the run ends.
@@ -79,6 +83,10 @@ class RunLog {
   void request(Request request) { requests_.add(std::move(request)); }
   // Recording was interrupted, for instance by a crash: the next run says so.
   void interrupted(std::string how) { interruption_.interrupted_by(std::move(how)); }
+  // Of the interrupted run: the one that goes on has them too.
+  void keep_label(std::string label, std::string comment) {
+    interruption_.keep_label(std::move(label), std::move(comment));
+  }
   // See Interruption::goes_on().
   void goes_on() noexcept { interruption_.goes_on(now_.raw_ns); }
   // The service ends: so does the run.

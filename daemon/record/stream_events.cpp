@@ -14,9 +14,10 @@ std::string named(const char* what, const std::vector<std::string>& names, std::
   return std::string(what) + " " + (index < names.size() ? names[index] : std::to_string(index));
 }
 
-StoredEvent made(const char* what, std::uint64_t position, std::string text) {
+StoredEvent made(const char* what, std::uint64_t position, std::string utc, std::string text) {
   StoredEvent event;
   event.position = position;
+  event.utc = std::move(utc);
   event.what = what;
   event.text = std::move(text);
   return event;
@@ -42,16 +43,20 @@ void StreamEvents::take(const Record& record, std::uint64_t position) {
   if (record.kind == Kind::channel_state && states_.size() < kMostStates) states_.emplace_back(position, record);
   if (record.kind != Kind::loss && record.kind != Kind::fault) return;
   Count& count = counts_[{record.kind, record.channel, record.flags}];
-  if (count.times == 0) count.position = position;
+  if (count.times == 0) {
+    count.position = position;
+    count.t_ns = record.t_ns;
+  }
   count.times += static_cast<std::uint64_t>(std::isfinite(record.value) ? std::max(record.value, 1.0) : 1.0);
 }
 
-std::vector<StoredEvent> StreamEvents::drain(const StreamNames& names) {
+std::vector<StoredEvent> StreamEvents::drain(const StreamNames& names,
+                                             const std::function<std::string(std::int64_t)>& utc) {
   std::vector<StoredEvent> events;
   for (const auto& [position, record] : states_) {
     const auto fault = static_cast<Fault>(record.flags);
     events.push_back(
-        made("fault", position,
+        made("fault", position, utc(record.t_ns),
              named("channel", names.channels, record.channel) +
                  (fault == Fault::none ? " delivers" : std::string(" does not deliver: ") + to_string(fault))));
   }
@@ -59,11 +64,11 @@ std::vector<StoredEvent> StreamEvents::drain(const StreamNames& names) {
     const auto& [kind, index, flag] = key;
     const std::string times = std::to_string(count.times);
     if (kind == Kind::loss) {
-      events.push_back(made("loss", count.position,
+      events.push_back(made("loss", count.position, utc(count.t_ns),
                             named("channel", names.channels, index) + ": " + times + " samples lost, " +
                                 loss_text(static_cast<Loss>(flag))));
     } else {
-      events.push_back(made("fault", count.position,
+      events.push_back(made("fault", count.position, utc(count.t_ns),
                             named("device", names.devices, index) + ": " + to_string(static_cast<Fault>(flag)) + ", " +
                                 times + " times"));
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <tuple>
@@ -26,12 +27,14 @@ class StreamEvents {
  public:
   // `position`: of the record in its run.
   void take(const Record& record, std::uint64_t position);
-  // The events since the last call, in the order of their positions; without their instants.
-  [[nodiscard]] std::vector<StoredEvent> drain(const StreamNames& names);
+  // The events since the last call, in the order of their positions. utc: of an instant of the stream.
+  [[nodiscard]] std::vector<StoredEvent> drain(const StreamNames& names,
+                                               const std::function<std::string(std::int64_t t_ns)>& utc);
 
  private:
   struct Count {
     std::uint64_t position = 0;  // of the first
+    std::int64_t t_ns = 0;       // likewise
     std::uint64_t times = 0;
   };
   using Key = std::tuple<Kind, std::uint16_t, std::uint8_t>;  // kind, channel or device, fault or loss

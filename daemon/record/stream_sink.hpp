@@ -38,6 +38,12 @@ namespace dwell::record {
 // they were computed from. Never null.
 using ModelResult = std::variant<std::shared_ptr<const TransientEstimate>, std::shared_ptr<const VerifiedDwell>>;
 
+// On its way to the recorder, beside the dwell as it stands after the change.
+struct StateChange {
+  std::int64_t t_ns = 0;  // of the record after which it came
+  State before = State::idle;
+};
+
 // Called on the estimation thread alone.
 class StreamSink {
  public:
@@ -52,6 +58,9 @@ class StreamSink {
   // Published after record `position` of the current run. That position depends on the processor's time, so a replay
   // does not compare it. Never waits.
   virtual void model(std::uint64_t position, ModelResult result) = 0;
+  // The state has changed after the record handed over last; a run may reach back to it. after: never null. Never
+  // waits.
+  virtual void state(const StateChange& change, std::shared_ptr<const Dwell> after) = 0;
 };
 
 }  // namespace dwell::record

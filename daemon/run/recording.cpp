@@ -14,6 +14,7 @@
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/small_file.hpp"
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/dwell_line.hpp"
 #include "daemon/run/stored_model.hpp"
 #include "daemon/version.hpp"
 
@@ -142,6 +143,7 @@ tl::expected<std::unique_ptr<record::Recorder>, std::string> make_recorder(const
     return to_json(dwell, rig, RunInfo{sha256, kVersion, start_utc});
   };
   options.model_json = [rig = file.rig](const record::ModelResult& result) { return stored_model(result, rig); };
+  options.state_line = state_line;
   options.tell = [&log](const record::Notice& notice) {
     const std::string run = std::to_string(notice.run);
     log.write(level_of(notice.grade), notice.text, {{"DWELL_RUN", run}, {"DWELL_HEAD", notice.head}});

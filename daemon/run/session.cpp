@@ -28,7 +28,6 @@ struct Session::Impl {
   config::RigFile file;
   Log& log;
   std::unique_ptr<record::Recorder> recorder;        // null: nothing is recorded
-  std::unique_ptr<Outlet> record_events;             // into the recorder
   std::vector<std::shared_ptr<DeviceHost>> devices;  // by RigFile::devices
   std::optional<gpio::GpioThread> gpio;
   std::unique_ptr<Outlet> lamps;
@@ -48,7 +47,6 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
   auto recorder = make_recorder(impl->file, drivers, log);
   if (!recorder) return tl::unexpected(std::move(recorder.error()));
   impl->recorder = std::move(*recorder);
-  if (impl->recorder) impl->record_events = make_record_events(*impl->recorder);
   std::vector<DeviceFeed> feeds;
   for (const config::DeviceSettings& settings : impl->file.devices) {
     const auto table = drivers(settings.driver);
@@ -115,7 +113,6 @@ const Traces& Session::traces() {
 }
 Outlet* Session::lamps() noexcept { return impl_->lamps.get(); }
 record::Recorder* Session::recorder() noexcept { return impl_->recorder.get(); }
-Outlet* Session::record_events() noexcept { return impl_->record_events.get(); }
 
 std::vector<WatchedThread> Session::threads() const {
   std::vector<WatchedThread> threads;

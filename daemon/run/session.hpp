@@ -50,9 +50,8 @@ class Session {
   [[nodiscard]] gpio::Status gpio() const;
   // The rig's lamps; null: it has none.
   [[nodiscard]] Outlet* lamps() noexcept;
-  // Records the runs and their changes of state; null: nothing is recorded.
+  // Records the runs; null: nothing is recorded.
   [[nodiscard]] record::Recorder* recorder() noexcept;
-  [[nodiscard]] Outlet* record_events() noexcept;
 
   // What the watchdog looks at.
   [[nodiscard]] std::vector<WatchedThread> threads() const;

@@ -19,11 +19,17 @@ struct CollectingSink final : record::StreamSink {
     std::shared_ptr<const Dwell> dwell;
     std::size_t after;  // records of the session so far
   };
+  struct Change {
+    State after;
+    std::size_t behind;  // records of the session so far
+  };
   // A run as a file of it would hold it.
   struct Run {
     std::vector<Record> records;  // from the birth of its pipeline to its end
     std::vector<Result> results;
-    std::size_t begins = 0;  // index into records of RunEdge::begins
+    std::vector<std::pair<std::uint64_t, State>> states;  // changes while it went on: position, new state
+    State at_begin = State::idle;                         // told last before
+    std::size_t begins = 0;                               // index into records of RunEdge::begins
     bool ended = false;
   };
 
@@ -34,6 +40,10 @@ struct CollectingSink final : record::StreamSink {
 
   void model(std::uint64_t position, record::ModelResult result) override {
     models.emplace_back(position, std::move(result));
+  }
+
+  void state(const record::StateChange& /*change*/, std::shared_ptr<const Dwell> after) override {
+    states.push_back({after->state, records.size()});
   }
 
   static bool is(const Record& record, RunEdge edge) {
@@ -53,6 +63,11 @@ struct CollectingSink final : record::StreamSink {
       run.records.assign(first, records.begin() + static_cast<std::ptrdiff_t>(run.ended ? end + 1 : end));
       for (; result < results.size() && results[result].after <= end + 1; ++result)
         run.results.push_back(results[result]);
+      for (const Change& change : states)
+        if (change.behind <= i) run.at_begin = change.after;
+      for (const Change& change : states)
+        if (change.behind > i && change.behind <= end)
+          run.states.emplace_back(change.behind - (i - run.begins), change.after);
       found.push_back(std::move(run));
     }
     return found;
@@ -60,6 +75,7 @@ struct CollectingSink final : record::StreamSink {
 
   std::vector<Record> records;
   std::vector<Result> results;
+  std::vector<Change> states;
   std::vector<std::pair<std::uint64_t, record::ModelResult>> models;  // with their positions
 };
 

@@ -20,18 +20,26 @@ using test::SimulatedSession;
 
 // What the replays have been through, so that none of it goes untested.
 struct Covered {
-  std::size_t runs = 0, results = 0, finals = 0, with_elements = 0, busy = 0, by_operator = 0, reaching_back = 0;
+  std::size_t runs = 0, results = 0, finals = 0, states = 0, with_elements = 0, busy = 0, by_operator = 0,
+              reaching_back = 0;
 };
 
 // Feeds the run to a new pipeline and compares each result at its position.
 void replay(const Rig& rig, const CollectingSink::Run& run, Covered& covered) {
   std::vector<std::shared_ptr<const Dwell>> ended;
+  std::vector<std::pair<std::uint64_t, State>> states;
+  std::uint64_t position = 0;
+  State shown = run.at_begin;  // the pipeline before may have told it
   Measurement again(rig, KeptDwells(1000, 100'000'000), [&](const RunEvent& event) {
-    if (event.kind == RunEvent::Kind::dwell_finished) ended.push_back(event.dwell);
+    if (event.kind == RunEvent::Kind::dwell_finished)
+      ended.push_back(event.dwell);
+    else if (position > run.begins + 1 && position < run.records.size() && event.dwell->state != shown)
+      states.emplace_back(position, shown = event.dwell->state);
   });
   std::size_t next = 0, told = 0;
   bool finished = false;
   for (std::size_t i = 0; i < run.records.size(); ++i) {
+    position = i + 1;
     again.take(run.records[i]);
     covered.busy += again.busy();
     for (; next < run.results.size() && run.results[next].position == i + 1; ++next) {
@@ -45,6 +53,8 @@ void replay(const Rig& rig, const CollectingSink::Run& run, Covered& covered) {
     }
   }
   if (!finished) again.finish();
+  EXPECT_EQ(states, run.states) << "changes of state stand where they came";
+  covered.states += states.size();
   EXPECT_EQ(next, run.results.size()) << "every result has a position in its run";
   EXPECT_EQ(told, ended.size()) << "no dwell ended that was not told of";
   ++covered.runs;
@@ -130,6 +140,7 @@ TEST(RunReplay, ItsRecordsGiveItsResultsAgainWhateverHappens) {
   EXPECT_GT(covered.with_elements, 15 * kSessions / 2);
   EXPECT_GT(covered.by_operator, kSessions / 2);
   EXPECT_GT(covered.reaching_back, kSessions / 4);
+  EXPECT_GT(covered.states, 2 * kSessions);
 }
 
 // A rig so large that its fits take many pushes: results wait for the work, and a stop ends it at once.

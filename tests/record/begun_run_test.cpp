@@ -96,6 +96,8 @@ void expect_adopted(const std::string& directory, std::int64_t run) {
     ASSERT_TRUE(cut_off);
     EXPECT_EQ(cut_off->run, run);
     EXPECT_EQ(cut_off->file, fs::path(run_file_of(directory, run)).filename().string());
+    EXPECT_EQ(cut_off->label, rig_header().label);
+    EXPECT_EQ(cut_off->comment, rig_header().comment);
     EXPECT_EQ(ledger_says(directory), "");
     EXPECT_EQ(state_with_ledger(run_file_of(directory, run), directory), AuditState::open);
     EXPECT_FALSE(fs::exists(directory + "/next-" + std::to_string(run) + ".new"));

@@ -120,23 +120,28 @@ TEST_F(InterruptedRecording, ARunNeverReachesBackOverAGap) {
 TEST_F(InterruptedRecording, AfterACrashTheFirstRunGoesOnByTheServiceIfItComesSoon) {
   log.set_clock({stream.t_ns(), kUtc_ns});
   log.interrupted("run 7 was cut off");
+  log.keep_label("rubber 3", "cold");
   log.goes_on();
   stream.armed();
   stream.play(12.0);
   stream.begins();
   stream.play(1.2);
   EXPECT_EQ(store.runs[0].header.begun_by, "service");
+  EXPECT_EQ(store.runs[0].header.label, "rubber 3");
+  EXPECT_EQ(store.runs[0].header.comment, "cold");
   EXPECT_EQ(events_of(store.runs[0])[0].text, "goes on after an interruption: run 7 was cut off");
 }
 
 TEST_F(InterruptedRecording, AfterACrashARunThatComesMuchLaterIsTheDrives) {
   log.set_clock({stream.t_ns(), kUtc_ns});
   log.interrupted("run 7 was cut off");
+  log.keep_label("rubber 3", "cold");
   log.goes_on();
   stream.play(70.0);
   stream.starts();
   stream.play(1.2);
   EXPECT_EQ(store.runs[0].header.begun_by, "drive");
+  EXPECT_EQ(store.runs[0].header.label, "") << "another run is not the operator's";
   EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
 }
 // The disk refused the last block after the run had ended: the reserve took it, and no recording stopped. The next run

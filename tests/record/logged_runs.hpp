@@ -56,6 +56,9 @@ struct LoggedRuns : testing::Test {
                     [](const ModelResult&) {
                       return StoredModel{"estimate", 0, {}, R"({"last":19})", R"({"motion":null})"};
                     },
+                    [](State before, const Dwell& after) {
+                      return std::string(to_string(before)) + " -> " + to_string(after.state);
+                    },
                     [this](const Notice& notice) { notices.push_back(notice); },
                     {{"y0", "y1"}, {"amplifier"}}}),
         stream(2, 200.0, [this](const Record& record) {

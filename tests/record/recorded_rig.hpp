@@ -15,6 +15,8 @@ inline RunHeader rig_header() {
   RunHeader header;
   header.rig = {"rig.toml", std::string(64, 'a'), "[rig]\nname = \"bench\"\n"};
   header.channels = {"y0", "y1"};
+  header.label = "rubber 3";
+  header.comment = "cold";
   header.origin.clock_synchronized = true;
   return header;
 }
@@ -57,13 +59,15 @@ class Notices {
 };
 
 inline RunLogOptions log_options(Notices& notices) {
-  return {rig_header,
-          [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); },
-          [](const ModelResult&) {
-            return StoredModel{"estimate", 0, {}, "{\"last\":9}", "{\"motion\":null}"};
-          },
-          notices.tell(),
-          {}};
+  return {
+      rig_header,
+      [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); },
+      [](const ModelResult&) {
+        return StoredModel{"estimate", 0, {}, "{\"last\":9}", "{\"motion\":null}"};
+      },
+      [](State before, const Dwell& after) { return std::string(to_string(before)) + " -> " + to_string(after.state); },
+      notices.tell(),
+      {}};
 }
 
 inline RecorderOptions recorder_options(const std::string& directory, Notices& notices) {
@@ -72,6 +76,7 @@ inline RecorderOptions recorder_options(const std::string& directory, Notices& n
   options.rate_hz = 10'000.0;
   options.header = rig_header;
   options.dwell_json = [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); };
+  options.state_line = [](State, const Dwell&) { return std::string("changed"); };
   options.tell = notices.tell();
   options.clock_synchronized = [] { return true; };
   return options;

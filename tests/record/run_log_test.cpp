@@ -164,6 +164,7 @@ TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
   stream.play(0.2);
   stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 2});
   const std::uint64_t at = stream.position();
+  const std::string then = iso_utc(kUtc_ns + stream.t_ns());
   for (int i = 0; i < 3; ++i)
     stream.put({.t_ns = stream.t_ns(), .value = 10.0, .channel = 1, .kind = Kind::loss, .flags = 2});
   stream.put({.t_ns = stream.t_ns(), .value = 4.0, .channel = 0, .kind = Kind::fault, .flags = 2});
@@ -177,6 +178,32 @@ TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
   EXPECT_EQ(events[1].position, at + 1);
   EXPECT_EQ(events[2].text, "device amplifier: timeout, 4 times");
   EXPECT_EQ(events[3].text, "channel y1 delivers");
+  for (const StoredEvent& event : events) EXPECT_EQ(event.utc, then) << event.text;
+}
+
+TEST_F(RunLogTest, AChangeOfStateStandsAtItsRecordWithTheInstantOfThat) {
+  const auto change = [this](State before, State after) {
+    Dwell dwell;
+    dwell.state = after;
+    const std::int64_t t_ns = stream.t_ns();
+    log.state({t_ns, before}, dwell);
+    return std::pair(stream.position(), iso_utc(kUtc_ns + t_ns));
+  };
+  stream.armed();
+  stream.play(0.5);
+  const auto early = change(State::idle, State::settling);
+  stream.play(0.1);
+  stream.begins();
+  stream.play(0.3);
+  const auto later = change(State::settling, State::measuring);
+  stream.play(1.5);
+  const auto events = events_of(store.runs.at(0));
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].what, "state");
+  EXPECT_EQ(events[0].text, "idle -> settling");
+  EXPECT_EQ(events[1].text, "settling -> measuring");
+  EXPECT_EQ(std::pair(events[0].position, events[0].utc), early);
+  EXPECT_EQ(std::pair(events[1].position, events[1].utc), later);
 }
 
 // Else the events of a run tell of fewer faults than its stream, by those of the 10 s before the drive.
