@@ -1,0 +1,113 @@
+// What the whole service leaves in the file of a run, on a simulated rig that is gone at the end.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "daemon/acquire/plugin.hpp"
+#include "daemon/record/run_reader.hpp"
+#include "daemon/service.hpp"
+#include "tests/daemon/service_rig.hpp"
+#include "tests/record/scratch.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kEvery_s = 2.0;
+
+// Played once for all tests: measured for six seconds, then the rig's plug is pulled.
+struct RecordedService : testing::Test {
+  static void SetUpTestSuite() {
+    auto rig = rigsim::Server::start(test::clamped_rig());
+    ASSERT_TRUE(rig) << rig.error();
+    const config::SchemaSource drivers = [](std::string_view name) {
+      return acquire::load_plugin(std::string(name), {DWELL_TEST_PLUGINS});
+    };
+    auto file = config::parse(
+        test::rig_file((*rig)->tcp_port()) + "[recording]\ndirectory = \"" + scratch().path() + "\"\nevery = 2.0\n",
+        "rig.toml", drivers);
+    ASSERT_TRUE(file) << config::to_string("rig.toml", file.error());
+    LogOptions quiet;
+    quiet.console = false;
+    const auto log = std::move(*Log::make(quiet));
+    ServiceOptions options;
+    options.handle_signals = false;
+    auto service = Service::make(std::move(*file), drivers, options, *log);
+    ASSERT_TRUE(service) << service.error().message;
+    std::thread thread([&] { (*service)->run(); });
+    const auto dwell = [&](const auto& enough) { return test::await((*service)->port(), "/api/v1/dwell", enough); };
+    dwell([](const nlohmann::json& now) {
+      return now["state"] == "measuring" && now["end_s"].get<double>() - now["settled_s"].get<double>() > 6.0;
+    });
+    rig->reset();
+    dwell([](const nlohmann::json& now) { return now["state"] != "measuring"; });
+    (*service)->stop();
+    thread.join();
+  }
+  static void TearDownTestSuite() { delete std::exchange(scratch_, nullptr); }
+
+  static record::RunReader read() {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(scratch().path()))
+      if (entry.path().extension() == ".dwell") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());  // the first run's is the one that the drive began
+    auto reader = record::RunReader::open(files.at(0));
+    EXPECT_TRUE(reader) << reader.error();
+    return std::move(reader.value());
+  }
+
+  static record::Scratch& scratch() {
+    if (scratch_ == nullptr) scratch_ = new record::Scratch;
+    return *scratch_;
+  }
+  static record::Scratch* scratch_;
+};
+record::Scratch* RecordedService::scratch_ = nullptr;
+
+TEST_F(RecordedService, ItsRunFileHoldsEachChangeOfStateWithItsReason) {
+  std::vector<std::string> states;
+  ASSERT_TRUE(read().events([&](const record::StoredEvent& event) {
+    if (event.what != "state") return true;
+    EXPECT_GT(event.position, 0u) << event.text;
+    EXPECT_EQ(event.utc.size(), 27u) << event.text;
+    states.push_back(event.text);
+    return true;
+  }));
+  const auto reason_of = [&](const std::string& change) {
+    for (const std::string& state : states)
+      if (state.compare(0, change.size(), change) == 0) return state.substr(change.size());
+    return std::string("no such change");
+  };
+  EXPECT_NE(reason_of("state settling -> measuring, dwell 1: ").find("oscillations are below"), std::string::npos)
+      << testing::PrintToString(states);
+  EXPECT_NE(reason_of("state measuring -> fault: ").find("disconnected"), std::string::npos)
+      << testing::PrintToString(states);
+}
+
+TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsks) {
+  record::RunReader reader = read();
+  std::vector<std::uint64_t> positions;
+  ASSERT_TRUE(reader.results(false, [&](const record::StoredResult& result) {
+    if (!result.final) positions.push_back(result.position);
+    return true;
+  }));
+  ASSERT_GE(positions.size(), 3u);
+  std::vector<std::int64_t> instants;
+  std::uint64_t position = 0;
+  ASSERT_TRUE(reader.stream([&](const Record& record) {
+    ++position;
+    for (const std::uint64_t asked : positions)
+      if (asked == position) instants.push_back(record.t_ns);
+    return true;
+  }));
+  ASSERT_EQ(instants.size(), positions.size());
+  for (std::size_t i = 1; i < instants.size(); ++i)
+    EXPECT_NEAR(1e-9 * static_cast<double>(instants[i] - instants[i - 1]), kEvery_s, 0.5) << i;
+}
+
+}  // namespace
+}  // namespace dwell
