@@ -71,7 +71,7 @@ Section facts(const RunSummary& run, std::size_t columns) {
   add("rig", (run.rig.empty() ? "" : run.rig + ", ") + header.rig.path);
   add("SHA-256", header.rig.sha256);
   for (const record::KeptFile& file : header.files) {
-    add("with", file.path);
+    add("with", file.path + (file.holds_text() ? "" : "; its text is not in the run file"));
     add("SHA-256", file.sha256);
   }
   add("begun", begun_text(header));

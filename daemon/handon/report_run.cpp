@@ -178,8 +178,10 @@ std::string report_audit(const Selection& selection, const RunStory& story, cons
                       {"computed from the head", hash(run.parent_head)},
                       {"rig file", Markup::made(escaped(run.rig.path) + " " + hash(run.rig.sha256).html())}});
   std::vector<std::vector<Markup>> files;
-  for (const record::KeptFile& file : run.files) files.push_back({file.path, hash(file.sha256)});
-  if (!files.empty()) html += html_table({{"file that the rig file names"}, {"SHA-256"}}, files);
+  for (const record::KeptFile& file : run.files)
+    files.push_back({file.path, file.sha256.empty() ? Markup("not known") : hash(file.sha256),
+                     file.holds_text() ? "in the run file" : "too large for the run file"});
+  if (!files.empty()) html += html_table({{"file that the rig file names"}, {"SHA-256"}, {"text"}}, files);
   html += html_heading(3, "Signatures");
   std::vector<std::vector<Markup>> rows;
   for (const record::PersonalSignature& s : story.signatures)

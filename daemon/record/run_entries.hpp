@@ -25,11 +25,14 @@ struct Person {
 // "anna (uid 1000)", "uid 1000", or the name alone.
 [[nodiscard]] std::string who(const Person& person);
 
-// A file whose bytes are kept in the run file.
+// A file that the run was recorded with. Of a large one the run file holds no text.
 struct KeptFile {
   std::string path;    // as the rig file names it
-  std::string sha256;  // hexadecimal
+  std::string sha256;  // hexadecimal; empty: so large that it was not read at all
   std::string text;
+
+  // Whether `text` is what the file held. An empty file is known by its hash.
+  [[nodiscard]] bool holds_text() const;
 };
 
 struct Plugin {

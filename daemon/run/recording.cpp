@@ -6,12 +6,14 @@
 #include <climits>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "config/sha256.hpp"
 #include "daemon/record/file_name.hpp"
+#include "daemon/record/file_sha256.hpp"
 #include "daemon/record/small_file.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_line.hpp"
@@ -22,8 +24,11 @@ namespace dwell {
 namespace {
 
 // Files that the rig file names are kept in the run file up to this size. A larger one is not a description of the rig
-// but data, for instance a recording to be replayed: only its name is kept.
+// but data, for instance a recording to be replayed: only its name and its SHA-256 are kept.
 constexpr std::uintmax_t kKeptFileBytes = 4u << 20;
+// Most bytes of larger files, all together, that are read for their SHA-256 as the service starts: a disk of 100 MB/s
+// takes 11 s for them, and systemd waits 90 s. Halved, a longer recording is kept by name alone.
+constexpr std::uintmax_t kHashedBytes = 1u << 30;
 // Of the JSON of a run's header, for what comes to it as the run begins: label, comment, origin, keys.
 constexpr std::size_t kHeaderRoom = 64u << 10;
 // Readings of a channel per second that are assumed for a device without a stated rate, a bus for instance.
@@ -48,14 +53,43 @@ std::vector<std::string> files_named(const config::RigFile& file) {
   return names;
 }
 
-tl::expected<record::KeptFile, std::string> keep(const config::RigFile& file, const std::string& name) {
-  const std::filesystem::path path = std::filesystem::path(file.directory) / name;
-  std::error_code failed;
-  if (std::filesystem::file_size(path, failed) > kKeptFileBytes && !failed) return record::KeptFile{name, {}, {}};
-  auto text = record::read_small_file(path.string(), kKeptFileBytes);
-  if (!text) return tl::unexpected(std::move(text.error()));
-  return record::KeptFile{name, config::sha256(*text), std::move(*text)};
-}
+std::string megabytes(std::uintmax_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+
+// Keeps the files that a rig file names, one after the other.
+class FileKeeper {
+ public:
+  FileKeeper(std::filesystem::path directory, Log& log) : directory_(std::move(directory)), log_(log) {}
+
+  tl::expected<record::KeptFile, std::string> keep(const std::string& name) {
+    const std::string path = (directory_ / name).string();
+    std::error_code failed;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
+    if (!failed && bytes > kKeptFileBytes) return keep_hash(name, path, bytes);
+    auto text = record::read_small_file(path, kKeptFileBytes);
+    if (!text) return tl::unexpected(std::move(text.error()));
+    return record::KeptFile{name, config::sha256(*text), std::move(*text)};
+  }
+
+ private:
+  tl::expected<record::KeptFile, std::string> keep_hash(const std::string& name, const std::string& path,
+                                                        std::uintmax_t bytes) {
+    record::Result<std::optional<std::string>> sha256;  // none: too large
+    if (bytes <= left_) sha256 = record::file_sha256(path, left_);
+    if (!sha256) return tl::unexpected(std::move(sha256.error()));
+    if (!*sha256) {
+      log_.warning(path + " has " + megabytes(bytes) +
+                   ": run files will hold its name, neither its text nor its SHA-256");
+      return record::KeptFile{name, {}, {}};
+    }
+    left_ -= std::min(left_, bytes);
+    log_.info(path + " has " + megabytes(bytes) + ": run files will hold its SHA-256, not its text");
+    return record::KeptFile{name, std::move(**sha256), {}};
+  }
+
+  const std::filesystem::path directory_;
+  Log& log_;
+  std::uintmax_t left_ = kHashedBytes;
+};
 
 std::string too_large(const config::RigFile& file, const record::RunHeader& header, std::size_t bytes) {
   std::string text = file.path + ": with the files that it names it takes " + std::to_string(bytes) +
@@ -66,12 +100,13 @@ std::string too_large(const config::RigFile& file, const record::RunHeader& head
   return text;
 }
 
-tl::expected<record::RunHeader, std::string> header_of(const config::RigFile& file,
-                                                       const config::SchemaSource& drivers) {
+tl::expected<record::RunHeader, std::string> header_of(const config::RigFile& file, const config::SchemaSource& drivers,
+                                                       Log& log) {
   record::RunHeader header;
   header.rig = {file.path, file.sha256, file.text};
+  FileKeeper keeper(file.directory, log);
   for (const std::string& name : files_named(file)) {
-    auto kept = keep(file, name);
+    auto kept = keeper.keep(name);
     if (!kept) return tl::unexpected(std::move(kept.error()));
     header.files.push_back(std::move(*kept));
   }
@@ -125,7 +160,7 @@ tl::expected<std::unique_ptr<record::Recorder>, std::string> make_recorder(const
                                                                            const config::SchemaSource& drivers,
                                                                            Log& log) {
   if (!file.recording.on) return nullptr;
-  auto header = header_of(file, drivers);
+  auto header = header_of(file, drivers, log);
   if (!header) return tl::unexpected(std::move(header.error()));
   record::RecorderOptions options;
   options.folder.directory = recording_directory(file);

@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "config/sha256.hpp"
+#include "daemon/record/run_reader.hpp"
 #include "tests/daemon/log_to_read.hpp"
+#include "tests/record/synthetic_stream.hpp"
 
 namespace dwell {
 namespace {
@@ -32,6 +38,20 @@ struct RecordingTest : testing::Test {
     file.devices[0].entries.push_back({"dbc", name});
   }
 
+  // Records a run of some seconds by the recorder that the service makes, and opens its file.
+  record::RunReader recorded(const config::SchemaSource& drivers = {}) {
+    {
+      const auto recorder = make_recorder(file, drivers, log);
+      EXPECT_TRUE(recorder) << recorder.error();
+      record::SyntheticStream stream(2, 100.0, [&](const Record& record) { (*recorder)->record(record); });
+      stream.starts();
+      stream.play(1.5);
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(file.recording.directory))
+      if (entry.path().extension() == ".dwell") return std::move(*record::RunReader::open(entry.path()));
+    throw std::runtime_error("no run was recorded");
+  }
+
   std::string directory;
   config::RigFile file;
   test::LogToRead log{"recording-test"};
@@ -52,6 +72,78 @@ TEST_F(RecordingTest, AFileThatIsNamedTwiceIsKeptOnce) {
   name("motor.dbc", 4 << 20);
   const auto recorder = make_recorder(file, {}, log);
   EXPECT_TRUE(recorder) << recorder.error();
+}
+
+dwell_driver_table driver_of_version(const char* version) {
+  dwell_driver_table table{};
+  table.version = version;
+  return table;
+}
+
+TEST_F(RecordingTest, ARunsFileHoldsTheFilesThatTheRigFileNamesThePluginsAndTheTimeZone) {
+  const std::string dbc = "VERSION \"\"\nBU_: amplifier\n", chain = "BO_ 385 motor: 8 amplifier\n";
+  std::ofstream(directory + "/motor.dbc") << dbc;
+  std::ofstream(directory + "/shaker.dbc") << chain;
+  std::ofstream(directory + "/empty.dbc") << "";
+  file.text = "[rig]\nname = \"bench\"\n";
+  file.sha256 = config::sha256(file.text);
+  file.devices[0].driver = "can";
+  file.devices[0].entries = {{"dbc", "motor.dbc"}, {"host", "192.0.2.10"}};
+  file.devices[0].channels.emplace_back().entries = {{"dbc", "shaker.dbc"}, {"more", "empty.dbc"}};
+  file.devices.emplace_back().driver = "modbus";
+  setenv("TZ", "Europe/Berlin", 1);
+  const dwell_driver_table can = driver_of_version("1.2.3"), modbus = driver_of_version("0.4");
+  const record::RunHeader header =
+      recorded([&](std::string_view driver) -> tl::expected<const dwell_driver_table*, std::string> {
+        return driver == "can" ? &can : &modbus;
+      }).header();
+  unsetenv("TZ");
+  EXPECT_EQ(header.rig.text, file.text);
+  EXPECT_EQ(header.rig.sha256, file.sha256);
+  ASSERT_EQ(header.files.size(), 3u);
+  EXPECT_EQ(header.files[0].path, "motor.dbc");
+  EXPECT_EQ(header.files[0].text, dbc);
+  EXPECT_EQ(header.files[0].sha256, config::sha256(dbc));
+  EXPECT_EQ(header.files[1].text, chain) << "named by a channel";
+  EXPECT_EQ(header.files[2].sha256, config::sha256(""));
+  EXPECT_TRUE(header.files[2].holds_text()) << "there was nothing in it";
+  ASSERT_EQ(header.plugins.size(), 2u);
+  EXPECT_EQ(header.plugins[0].driver, "can");
+  EXPECT_EQ(header.plugins[0].version, "1.2.3");
+  EXPECT_EQ(header.plugins[1].version, "0.4");
+  EXPECT_EQ(header.origin.time_zone, "Europe/Berlin");
+  EXPECT_FALSE(header.origin.host.empty());
+  EXPECT_FALSE(header.origin.build.empty());
+}
+
+TEST_F(RecordingTest, OfAFileAboveFourMebibytesTheHashIsKeptAndTheLogSaysThatTheTextIsNot) {
+  const std::size_t bytes = (4 << 20) + 1;
+  name("tape.csv", bytes);
+  const record::RunHeader header = recorded().header();
+  ASSERT_EQ(header.files.size(), 1u);
+  EXPECT_EQ(header.files[0].path, "tape.csv");
+  EXPECT_EQ(header.files[0].sha256, config::sha256(std::string(bytes, 'x')));
+  EXPECT_EQ(header.files[0].text, "");
+  EXPECT_FALSE(header.files[0].holds_text());
+  EXPECT_EQ(log.lines().at(0),
+            "info " + directory + "/tape.csv has 4 MB: run files will hold its SHA-256, not its text");
+}
+
+TEST_F(RecordingTest, OfFilesBeyondAGibibyteTheNameAloneIsKeptAndTheLogWarns) {
+  for (const char* name : {"long.csv", "short.csv"}) {
+    std::ofstream(directory + "/" + name) << "";
+    file.devices[0].entries.push_back({"file", std::string(name)});
+  }
+  std::filesystem::resize_file(directory + "/long.csv", (1u << 30) + 1);  // of holes, which take no room
+  std::filesystem::resize_file(directory + "/short.csv", 5u << 20);
+  const record::RunHeader header = recorded().header();
+  ASSERT_EQ(header.files.size(), 2u);
+  EXPECT_EQ(header.files[0].sha256, "");
+  EXPECT_FALSE(header.files[0].holds_text());
+  EXPECT_EQ(header.files[1].sha256, config::sha256(std::string(5u << 20, '\0'))) << "it still finds room";
+  EXPECT_EQ(
+      log.lines().at(0),
+      "warning " + directory + "/long.csv has 1073 MB: run files will hold its name, neither its text nor its SHA-256");
 }
 
 }  // namespace
