@@ -3,16 +3,20 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "config/sha256.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "tests/daemon/log_to_read.hpp"
+#include "tests/record/recorded_rig.hpp"
 #include "tests/record/synthetic_stream.hpp"
 
 namespace dwell {
@@ -52,10 +56,50 @@ struct RecordingTest : testing::Test {
     throw std::runtime_error("no run was recorded");
   }
 
+  // Runs in the directory, each with its age known.
+  void record_runs(int count) const {
+    record::Notices notices;
+    for (int i = 0; i < count; ++i) {
+      record::Recorder recorder(record::recorder_options(file.recording.directory, notices));
+      record::SyntheticStream stream(2, 100.0, [&](const Record& record) { recorder.record(record); });
+      stream.starts();
+      stream.play(1.5);
+    }
+  }
+  [[nodiscard]] std::size_t runs() const {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(file.recording.directory))
+      count += entry.path().extension() == ".dwell" ? 1 : 0;
+    return count;
+  }
+  [[nodiscard]] bool said(const std::string& text) {
+    const auto lines = static_cast<Log&>(log).newest().newest(NewestLines::kLines);
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const LogLine& line) { return line.text.find(text) != std::string::npos; });
+  }
+
   std::string directory;
   config::RigFile file;
   test::LogToRead log{"recording-test"};
 };
+
+// Waits for another thread; false: not within 20 s.
+template <class Condition>
+bool comes(const Condition& condition) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < until) {
+    if (condition()) return true;
+    std::this_thread::yield();
+  }
+  return false;
+}
+
+std::size_t heads_in(const std::string& path) {
+  std::ifstream lines(path);
+  std::size_t heads = 0;
+  for (std::string line; std::getline(lines, line);) heads += line.find(" dwell/run/") != std::string::npos ? 1 : 0;
+  return heads;
+}
 
 TEST_F(RecordingTest, FilesThatNoReaderCouldReadBackAreRefusedBeforeTheFirstRun) {
   name("motor.dbc", 4 << 20);
@@ -144,6 +188,58 @@ TEST_F(RecordingTest, OfFilesBeyondAGibibyteTheNameAloneIsKeptAndTheLogWarns) {
   EXPECT_EQ(
       log.lines().at(0),
       "warning " + directory + "/long.csv has 1073 MB: run files will hold its name, neither its text nor its SHA-256");
+}
+
+TEST_F(RecordingTest, HeadsGoToTheFileAndToTheCommandThatTheRigFileNames) {
+  const std::string to_file = directory + "/heads", by_command = directory + "/sent";
+  file.recording.anchor =
+      config::AnchorSettings{.minutes = 10.0, .file = to_file, .command = {"/bin/sh", "-c", "cat >>" + by_command}};
+  (void)recorded();
+  EXPECT_GT(heads_in(to_file), 0u);
+  EXPECT_GT(heads_in(by_command), 0u);
+}
+
+TEST_F(RecordingTest, HeadsGoThereAsOftenAsTheRigFileAsks) {
+  const std::string to_file = directory + "/heads";
+  file.recording.anchor = config::AnchorSettings{.minutes = 1e-3, .file = to_file, .command = {}};  // 60 ms
+  const auto recorder = make_recorder(file, {}, log);
+  ASSERT_TRUE(recorder) << recorder.error();
+  record::SyntheticStream stream(2, 100.0, [&](const Record& record) { (*recorder)->record(record); });
+  stream.starts();
+  for (int i = 0; i < 4; ++i) {
+    const std::size_t before = heads_in(to_file);
+    stream.play(1.5);
+    ASSERT_TRUE(comes([&] { return heads_in(to_file) > before; })) << "the run goes on, and its head is anchored again";
+  }
+}
+
+TEST_F(RecordingTest, RunsBeyondTheSizeThatTheRigFileAllowsAreDeleted) {
+  record_runs(2);
+  ASSERT_EQ(runs(), 2u);
+  file.recording.retain_gigabytes = 1e-9;
+  const auto recorder = make_recorder(file, {}, log);
+  ASSERT_TRUE(recorder) << recorder.error();
+  EXPECT_TRUE(comes([&] { return runs() == 0; }));
+  EXPECT_TRUE(comes([&] { return said(" deleted, "); }));
+}
+
+// Where the clock of this computer is not synchronized, the old runs are told instead.
+TEST_F(RecordingTest, RunsOlderThanTheRigFileAllowsAreDeletedOrToldWhereNoAgeCanBeBelieved) {
+  record_runs(2);
+  file.recording.retain_days = 0.0;
+  const auto recorder = make_recorder(file, {}, log);
+  ASSERT_TRUE(recorder) << recorder.error();
+  EXPECT_TRUE(comes([&] { return said("older than 0 days") || said("runs that seem too old to be kept: 2"); }));
+}
+
+TEST_F(RecordingTest, WithoutALimitNoRunIsDeletedAndNoneSeemsTooOld) {
+  record_runs(2);
+  const auto recorder = make_recorder(file, {}, log);
+  ASSERT_TRUE(recorder) << recorder.error();
+  ASSERT_TRUE(comes([&] { return (*recorder)->runs()->size() == 2; }));
+  (*recorder)->finish();
+  EXPECT_EQ(runs(), 2u);
+  EXPECT_FALSE(said("too old"));
 }
 
 }  // namespace
