@@ -30,24 +30,30 @@ constexpr std::int64_t kStall_ns = 2'000'000'000;
 class Inbox {
  public:
   using Letter = std::variant<StoredEvent, Request>;
+  struct Mail {
+    std::vector<Letter> letters;
+    std::uint64_t lost = 0;  // behind the letters
+  };
 
   void put(Letter letter) {
     const std::lock_guard lock(mutex_);
-    if (letters_.size() == Recorder::kInbox) {
+    if (mail_.letters.size() == Recorder::kInbox) {
+      ++mail_.lost;
       lost_.fetch_add(1, std::memory_order_relaxed);
     } else {
-      letters_.push_back(std::move(letter));
+      mail_.letters.push_back(std::move(letter));
     }
   }
-  [[nodiscard]] std::vector<Letter> take() {
+  [[nodiscard]] Mail take() {
     const std::lock_guard lock(mutex_);
-    return std::exchange(letters_, {});
+    return std::exchange(mail_, {});
   }
+  // Since the start.
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
 
  private:
   std::mutex mutex_;
-  std::vector<Letter> letters_;
+  Mail mail_;
   std::atomic<std::uint64_t> lost_{0};
 };
 
@@ -176,13 +182,25 @@ struct Recorder::Impl {
   }
 
   void read_inbox() {
-    for (Inbox::Letter& letter : inbox.take()) {
+    Inbox::Mail mail = inbox.take();
+    for (Inbox::Letter& letter : mail.letters) {
       if (auto* request = std::get_if<Request>(&letter)) {
         log.request(std::move(*request));
       } else {
         log.event(std::move(std::get<StoredEvent>(letter)));
       }
     }
+    if (mail.lost > 0) tell_loss(mail.lost);
+  }
+
+  void tell_loss(std::uint64_t lost) {
+    StoredEvent event;
+    event.what = "loss";
+    event.text =
+        std::to_string(lost) + " events are lost: more than " + std::to_string(kInbox) + " waited for the recorder";
+    const std::int64_t run = log.progress() != nullptr ? log.progress()->header.run : 0;
+    tell({Notice::Grade::error, event.text, run, {}});
+    log.event(std::move(event));
   }
 
   void refresh_recorded() {

@@ -59,7 +59,7 @@ struct RecorderState {
 
 class Recorder final : public StreamSink, public RequestSink {
  public:
-  // Most events and requests that wait. Further ones are lost, and counted.
+  // Most events and requests that wait. Further ones are lost; run and log say how many.
   static constexpr std::size_t kInbox = 256;
 
   // Starts its thread. Never fails: if it cannot record, it raises an alarm and tries again.

@@ -40,14 +40,24 @@ const char* loss_text(Loss loss) noexcept {
 }
 
 void StreamEvents::take(const Record& record, std::uint64_t position) {
-  if (record.kind == Kind::channel_state && states_.size() < kMostStates) states_.emplace_back(position, record);
-  if (record.kind != Kind::loss && record.kind != Kind::fault) return;
-  Count& count = counts_[{record.kind, record.channel, record.flags}];
+  if (record.kind == Kind::channel_state && states_.size() < kMostStates) {
+    states_.emplace_back(position, record);
+    return;
+  }
+  Key key{record.kind, record.channel, record.flags};
+  double times = record.value;
+  if (record.kind == Kind::channel_state) {  // all that find no room together
+    key = {record.kind, 0, 0};
+    times = 1.0;
+  } else if (record.kind != Kind::loss && record.kind != Kind::fault) {
+    return;
+  }
+  Count& count = counts_[key];
   if (count.times == 0) {
     count.position = position;
     count.t_ns = record.t_ns;
   }
-  count.times += static_cast<std::uint64_t>(std::isfinite(record.value) ? std::max(record.value, 1.0) : 1.0);
+  count.times += static_cast<std::uint64_t>(std::isfinite(times) ? std::max(times, 1.0) : 1.0);
 }
 
 std::vector<StoredEvent> StreamEvents::drain(const StreamNames& names,
@@ -63,7 +73,11 @@ std::vector<StoredEvent> StreamEvents::drain(const StreamNames& names,
   for (const auto& [key, count] : counts_) {
     const auto& [kind, index, flag] = key;
     const std::string times = std::to_string(count.times);
-    if (kind == Kind::loss) {
+    if (kind == Kind::channel_state) {
+      events.push_back(made("fault", count.position, utc(count.t_ns),
+                            times + " more changes of channels' states within a second are not told one by one; the "
+                                    "stream holds them"));
+    } else if (kind == Kind::loss) {
       events.push_back(made("loss", count.position, utc(count.t_ns),
                             named("channel", names.channels, index) + ": " + times + " samples lost, " +
                                 loss_text(static_cast<Loss>(flag))));

@@ -22,7 +22,7 @@ struct StreamNames {
 [[nodiscard]] const char* loss_text(Loss loss) noexcept;
 
 // Bound to one thread. All repetitions of a fault or loss between two calls of drain() make one event, with their
-// count. Channel states beyond 1000 between two calls are dropped without an event: bounds what a broken stream takes.
+// count. Channel states beyond 1000 between two calls make one event too: bounds what a broken stream takes.
 class StreamEvents {
  public:
   // `position`: of the record in its run.

@@ -43,6 +43,7 @@ INDIRECT = {
         ("text, cut_off->run", "warning", "daemon/record/readiness.cpp", " was cut off"),
     ],
     "daemon/record/recorder.cpp": [
+        ("event.text", "error", "daemon/record/recorder.cpp", " events are lost: more than "),
         ("failure", "error", "daemon/record/run_folder.cpp", " could not be closed: "),
     ],
     "daemon/record/run_deleter.cpp": [

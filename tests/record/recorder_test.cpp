@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "daemon/clock.hpp"
@@ -219,6 +220,43 @@ TEST_F(RecorderTest, ARunsHeadArrivesWhereItIsAnchored) {
   const auto audit = audit_run(files()[0], audit_options);
   ASSERT_TRUE(audit);
   EXPECT_EQ(audit->state, AuditState::intact) << audit->where;
+}
+
+// The disk hangs, as it were: the recorder's thread is held up within a message of its own.
+TEST_F(RecorderTest, EventsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
+  std::promise<void> held, goes_on;
+  std::future<void> released = goes_on.get_future();
+  RecorderOptions options = recorder_options(scratch.path(), notices);
+  options.tell = [&, tell = options.tell](const Notice& notice) {
+    tell(notice);
+    if (notice.text.rfind("recording run 1", 0) != 0) return;
+    held.set_value();
+    released.wait();
+  };
+  {
+    Recorder recorder(options);
+    SyntheticStream stream = stream_to(recorder);
+    stream.starts();
+    held.get_future().wait();
+    for (std::size_t i = 1; i <= Recorder::kInbox + 44; ++i) {
+      StoredEvent event;
+      event.what = "state";
+      event.text = "change " + std::to_string(i);
+      recorder.event(std::move(event));
+    }
+    goes_on.set_value();
+    ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).lost_events == 44; }));
+    stream.play(1.5);
+  }
+  const std::string said = "44 events are lost: more than 256 waited for the recorder";
+  EXPECT_TRUE(notices.hold(said)) << notices.text();
+  auto reader = RunReader::open(files().at(0));
+  ASSERT_TRUE(reader) << reader.error();
+  std::vector<std::string> texts;
+  ASSERT_TRUE(reader->events([&](const StoredEvent& event) { return texts.push_back(event.text), true; }));
+  ASSERT_EQ(texts.size(), Recorder::kInbox + 1);
+  EXPECT_EQ(texts[Recorder::kInbox - 1], "change 256");
+  EXPECT_EQ(texts.back(), said) << "where they are missing";
 }
 
 }  // namespace

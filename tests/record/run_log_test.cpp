@@ -207,6 +207,22 @@ TEST_F(RunLogTest, AChangeOfStateStandsAtItsRecordWithTheInstantOfThat) {
 }
 
 // Else the events of a run tell of fewer faults than its stream, by those of the 10 s before the drive.
+TEST_F(RunLogTest, ChannelStatesBeyondAThousandInABlockAreOneEventWithTheirNumber) {
+  stream.starts();
+  for (int i = 0; i < 1017; ++i)
+    stream.put({.t_ns = stream.t_ns(), .channel = static_cast<std::uint16_t>(i % 2), .kind = Kind::channel_state});
+  const std::uint64_t last = stream.position();
+  stream.play(1.5);
+  stream.ends();
+  stream.play(1.1);
+  const auto events = events_of(store.runs.at(0));
+  ASSERT_EQ(events.size(), 1001u);
+  EXPECT_EQ(events[999].text, "channel y1 delivers");
+  EXPECT_EQ(events.back().what, "fault");
+  EXPECT_EQ(events.back().text.rfind("17 more changes of channels' states ", 0), 0u) << events.back().text;
+  EXPECT_EQ(events.back().position, last - 16) << "of the first that is not told by itself";
+}
+
 TEST_F(RunLogTest, FaultsBeforeTheDriveThatAreInTheRunAreEventsOfItToo) {
   stream.armed();
   stream.play(1.0);
