@@ -27,7 +27,7 @@ inline constexpr std::string_view kStateField = "DWELL_STATE";
 struct LogOptions {
   std::string file;                          // empty: none
   std::size_t file_bytes = 8 * 1024 * 1024;  // a file is rotated beyond this …
-  std::size_t files = 5;                     // … and so many are kept
+  std::size_t files = 5;                     // … and so many older ones are kept
   std::size_t queue = 8192;                  // lines waiting at most
   bool console = true;                       // journald or standard error
   Level level = Level::info;

@@ -8,8 +8,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <sstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "daemon/log/log_payload.hpp"
 
@@ -99,6 +102,96 @@ LogStats settled(const Log& log, bool failing) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (log.stats().failing != failing && std::chrono::steady_clock::now() < end) std::this_thread::yield();
   return log.stats();
+}
+
+// What the manual says of the file: it is rotated at a size, and so many older ones are kept.
+struct RotatedLogTest : LogTest {
+  static constexpr std::size_t kBytes = 4096, kFiles = 3;
+  static constexpr std::size_t kLine = 64;  // more than the longest line here
+
+  // Writes lines "line 0" … and returns those found in the files, from the oldest file to the current one.
+  std::vector<int> written(int lines, const LogOptions& options) {
+    auto log = Log::make(options);
+    EXPECT_TRUE(log) << log.error();
+    for (int i = 0; i < lines; ++i) {
+      (*log)->info("line " + std::to_string(i));
+      // No faster than they are written: this is about the file, not about the queue.
+      if (i % 1000 == 999) await(i);
+    }
+    EXPECT_EQ((*log)->stats().lines, static_cast<std::uint64_t>(lines));
+    EXPECT_EQ((*log)->stats().dropped, 0u);
+    log->reset();
+    std::vector<int> found;
+    for (const std::string& file : files_from_the_oldest()) {
+      std::ifstream text(file);
+      for (std::string line; std::getline(text, line);) found.push_back(std::stoi(line.substr(line.rfind(' '))));
+    }
+    return found;
+  }
+  [[nodiscard]] std::vector<std::string> files_from_the_oldest() const {
+    std::vector<std::string> files;
+    for (std::size_t i = 9; i > 0; --i)
+      if (const auto older = folder + "/dwelld." + std::to_string(i) + ".log"; std::filesystem::exists(older))
+        files.push_back(older);
+    files.push_back(folder + "/dwelld.log");
+    return files;
+  }
+  void await(int line) const {
+    const std::string last = "line " + std::to_string(line) + "\n";
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (text().find(last) == std::string::npos && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  }
+  [[nodiscard]] LogOptions rotated() const {
+    LogOptions small = options();
+    small.file_bytes = kBytes;
+    small.files = kFiles;
+    return small;
+  }
+};
+
+TEST_F(RotatedLogTest, WhatFindsRoomInTheFilesIsAllThereInItsOrder) {
+  const std::vector<int> found = written(200, rotated());
+  std::vector<int> all(200);
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(found, all);
+  EXPECT_GT(files_from_the_oldest().size(), 1u) << "it was rotated";
+}
+
+TEST_F(RotatedLogTest, FilesAreBoundedInSizeAndNumberAndOnlyTheOldestLinesGo) {
+  const int lines = 5000;
+  const std::vector<int> found = written(lines, rotated());
+  const std::vector<std::string> files = files_from_the_oldest();
+  EXPECT_EQ(files.size(), kFiles + 1) << "so many older ones, and the current one";
+  std::size_t there = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    ++there;
+    EXPECT_LE(entry.file_size(), kBytes) << entry.path();
+  }
+  EXPECT_EQ(there, files.size()) << "and nothing else";
+  for (std::size_t i = 0; i + 1 < files.size(); ++i)
+    EXPECT_GT(std::filesystem::file_size(files[i]), kBytes - kLine) << files[i] << " was full when it was rotated";
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.back(), lines - 1);
+  for (std::size_t i = 1; i < found.size(); ++i) ASSERT_EQ(found[i], found[i - 1] + 1) << "no line is missing between";
+}
+
+TEST_F(RotatedLogTest, TheManualSaysHowLargeTheFilesGrowAndHowManyAreKept) {
+  std::ostringstream manual;
+  manual << std::ifstream(DWELL_SOURCE "/docs/man/dwelld.8").rdbuf();
+  const LogOptions served;
+  EXPECT_EQ(served.files, 5u) << "the manual says five";
+  const std::string size = std::to_string(served.file_bytes >> 20), all = std::to_string(served.file_bytes * 6 >> 20);
+  EXPECT_NE(
+      manual.str().find("rotated at " + size + " MiB; five older ones are kept beside it, " + all + " MiB in all"),
+      std::string::npos);
+}
+
+TEST_F(RotatedLogTest, AServiceThatBeginsAnewWritesOnWhereItStopped) {
+  (void)written(10, rotated());
+  const std::vector<int> found = written(10, rotated());
+  ASSERT_EQ(found.size(), 20u);
+  EXPECT_EQ(found[9], 9);
+  EXPECT_EQ(found[10], 0);
 }
 
 TEST_F(LogTest, AFullDiskIsToldWithTheNumberOfLinesLost) {
