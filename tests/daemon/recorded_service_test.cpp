@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <thread>
@@ -50,12 +51,15 @@ struct RecordedService : testing::Test {
   }
   static void TearDownTestSuite() { delete std::exchange(scratch_, nullptr); }
 
-  static record::RunReader read() {
+  static std::string first_file() {
     std::vector<std::string> files;
     for (const auto& entry : std::filesystem::directory_iterator(scratch().path()))
       if (entry.path().extension() == ".dwell") files.push_back(entry.path().string());
     std::sort(files.begin(), files.end());  // the first run's is the one that the drive began
-    auto reader = record::RunReader::open(files.at(0));
+    return files.at(0);
+  }
+  static record::RunReader read() {
+    auto reader = record::RunReader::open(first_file());
     EXPECT_TRUE(reader) << reader.error();
     return std::move(reader.value());
   }
@@ -86,6 +90,23 @@ TEST_F(RecordedService, ItsRunFileHoldsEachChangeOfStateWithItsReason) {
       << testing::PrintToString(states);
   EXPECT_NE(reason_of("state measuring -> fault: ").find("disconnected"), std::string::npos)
       << testing::PrintToString(states);
+}
+
+TEST_F(RecordedService, ItsRunFileIsReadByTheIndependentReader) {
+  if (std::system("/usr/bin/python3 -c 'import zstandard, cryptography' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-zstandard or python3-cryptography is not installed";
+  const record::RunReader reader = read();
+  const std::string said = scratch().path("said");
+  const std::string command = "/usr/bin/python3 " DWELL_SOURCE "/tests/record/read_run_file.py " + first_file() +
+                              " --key " + reader.header().vkey + " >" + said;
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  const nlohmann::json found = nlohmann::json::parse(record::Scratch::read(said), nullptr, false);
+  EXPECT_EQ(found["state"], "intact") << found["where"];
+  ASSERT_TRUE(reader.end());
+  EXPECT_EQ(found["records"], reader.end()->records);
+  EXPECT_EQ(found["samples"], reader.end()->samples);
+  EXPECT_EQ(found["run"]["rig"]["text"], reader.header().rig.text);
+  EXPECT_EQ(found["results"].back()["final"], true);
 }
 
 TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsks) {

@@ -3,17 +3,24 @@
 #include <sqlite3.h>
 #include <sys/wait.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
+#include "tests/record/altered_files.hpp"
+#include "tests/record/recorded_rig.hpp"
 #include "tests/record/sample_run.hpp"
 #include "tests/record/scratch.hpp"
+#include "tests/record/synthetic_stream.hpp"
 
 namespace dwell::record {
 namespace {
@@ -32,8 +39,9 @@ struct PythonReader : testing::Test {
     PythonJson json;
   };
   // What the reader says of the file.
-  [[nodiscard]] Found read(const std::string& options = "--heads") const {
-    const std::string command = "/usr/bin/python3 " PYTHON_RUN_READER " " + run.path + " " + options;
+  [[nodiscard]] Found read(const std::string& options = "--heads") const { return read_file(run.path, options); }
+  [[nodiscard]] static Found read_file(const std::string& path, const std::string& options = "--heads") {
+    const std::string command = "/usr/bin/python3 " PYTHON_RUN_READER " " + path + " " + options;
     std::FILE* const pipe = popen(command.c_str(), "r");
     std::string text;
     char part[4096];
@@ -126,6 +134,78 @@ TEST_F(PythonReader, TellsARunThatWasCutOff) {
   EXPECT_EQ(found.code, 0) << found.json;
   EXPECT_EQ(found.json["state"], "open");
   EXPECT_EQ(found.json["samples"], 4000);
+}
+
+std::vector<std::string> heads_of(const std::string& path) {
+  auto reader = ChainReader::open(path, ChainSort::run);
+  EXPECT_TRUE(reader) << reader.error();
+  std::vector<std::string> heads;
+  for (auto row = reader->next(); row && *row; row = reader->next()) heads.push_back(hex((*row)->head));
+  return heads;
+}
+
+// A kill leaves the newest entries in the -wal alone.
+TEST_F(PythonReader, ReadsTheLogBesideAFileThatWasCutOffAndLeavesBothAsTheyWere) {
+  const Scratch left;
+  const std::string path = left.path("run.dwell");
+  write_sample(path, {.seed = 1, .end = SampleEnd::log_left});
+  const Files before = files_in(left);
+  ASSERT_EQ(before.size(), 2u);
+  const Found found = read_file(path);
+  ASSERT_EQ(found.code, 0) << found.json;
+  EXPECT_EQ(found.json["state"], "open");
+  EXPECT_EQ(found.json["samples"], sample_count({}));
+  EXPECT_EQ(found.json["heads"].get<std::vector<std::string>>(), heads_of(path));
+  EXPECT_EQ(files_in(left), before);
+  std::filesystem::remove(path + "-wal");
+  EXPECT_NE(read_file(path).json["samples"], sample_count({})) << "they stood in the log";
+}
+
+TEST_F(PythonReader, ReadsWhatTheRecorderWroteToTheLastBit) {
+  const Scratch runs;
+  Notices notices;
+  std::vector<Record> handed;
+  {
+    Recorder recorder(recorder_options(runs.path(), notices));
+    SyntheticStream stream(2, 500.0, [&](const Record& record) {
+      handed.push_back(record);
+      recorder.record(record);
+    });
+    stream.starts();
+    stream.play(3.5);
+    recorder.result(stream.position(), true, std::make_shared<const Dwell>());
+    // Before, the event would be older than the run.
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!notices.hold("recording run 1") && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+    StoredEvent event;
+    event.what = "state";
+    event.text = "settling";
+    recorder.event(std::move(event));
+  }
+  std::string path;
+  for (const auto& entry : std::filesystem::directory_iterator(runs.path()))
+    if (entry.path().extension() == ".dwell") path = entry.path();
+  const auto reader = RunReader::open(path);
+  ASSERT_TRUE(reader) << reader.error();
+  const Found found =
+      read_file(path, "--heads --records " + scratch.path("records.csv") + " --key " + reader->header().vkey);
+  ASSERT_EQ(found.code, 0) << found.json;
+  EXPECT_EQ(found.json["state"], "intact");
+  EXPECT_EQ(found.json["run"]["run"], 1);
+  EXPECT_EQ(found.json["end"]["why"], "service stopped");
+  EXPECT_EQ(found.json["end"]["records"], handed.size());
+  ASSERT_EQ(found.json["results"].size(), 1u);
+  EXPECT_EQ(found.json["results"][0]["dwell"]["index"], 1);
+  ASSERT_EQ(found.json["events"].size(), 1u);
+  EXPECT_EQ(found.json["events"][0]["text"], "settling");
+  EXPECT_EQ(found.json["heads"].get<std::vector<std::string>>(), heads_of(path));
+  std::istringstream lines(Scratch::read(scratch.path("records.csv")));
+  std::string line;
+  for (const Record& record : handed) {
+    ASSERT_TRUE(std::getline(lines, line));
+    ASSERT_EQ(line, line_of(record));
+  }
+  EXPECT_FALSE(std::getline(lines, line));
 }
 
 TEST_F(PythonReader, KnowsSignaturesOfBothSorts) {
