@@ -1,14 +1,23 @@
-// Property: whatever is done to the bytes of a run file, its audit tells, or every row reads as before.
+// Property: whatever is done to the bytes of a run file or a ledger, its audit tells, or every row reads as before.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "daemon/record/anchor.hpp"
 #include "daemon/record/audit.hpp"
+#include "daemon/record/ledger.hpp"
+#include "daemon/record/run_reader.hpp"
 #include "tests/record/altered_files.hpp"
+#include "tests/record/audited.hpp"
 #include "tests/under_sanitizer.hpp"
 
 namespace dwell::record {
@@ -277,6 +286,187 @@ TEST(Mutation, NoUntouchedFileIsReported) {
     EXPECT_EQ(audit->samples, sample_count(run));
     EXPECT_EQ(files_in(scratch), before) << "an audit leaves every byte as it was, and no new file";
   }
+}
+
+// A run and the ledger that knows its end and its signatures.
+struct Ledgered {
+  Original run;
+  std::unique_ptr<Scratch> beside;  // the ledger's directory
+  AuditOptions options;
+};
+
+std::vector<Ledgered> ledgered_originals() {
+  std::vector<Ledgered> all;
+  unsigned seed = 50;
+  for (const SampleEnd end : kSampleEnds) {
+    const Scratch scratch(true);
+    const std::string path = scratch.path("a.dwell");
+    Ledgered made{{}, std::make_unique<Scratch>(true), {}};
+    made.options = pinned(sample_key());
+    made.options.ledger = made.beside->path("ledger.dwell-ledger");
+    Ledger ledger = *Ledger::open(made.beside->path(), sample_key());
+    const RunHeader header = sample_header(ledger.next_run(), sample_key());
+    EXPECT_TRUE(ledger.run_begins(header, "a.dwell"));
+    write_sample(path, {.seed = ++seed, .end = end, .blocks = 8, .records = 30, .header = header});
+    made.run = {end, files_in(scratch), rows_of(path)};
+    auto reader = RunReader::open(path);
+    EXPECT_TRUE(reader) << reader.error();
+    const auto signatures = reader->signatures();
+    EXPECT_TRUE(signatures) << signatures.error();
+    // The head of the last entry that is no signature.
+    const std::size_t seq = made.run.rows.size() - signatures->size();
+    auto rows = ChainReader::open(path, ChainSort::run);
+    rows->seek(static_cast<std::int64_t>(seq));
+    EXPECT_TRUE(ledger.run_ends(
+        {header.run, hex((*rows->next())->head), static_cast<std::int64_t>(seq), is_open(end) ? "cut off" : "closed"}));
+    for (const PersonalSignature& signature : *signatures) EXPECT_TRUE(ledger.run_signed(header.run, signature));
+    all.push_back(std::move(made));
+  }
+  return all;
+}
+
+// Without the ledger a cut tail reads as open, and signatures can be taken away.
+TEST(Mutation, NoneIsMissedWhereTheLedgerKnowsTheRunNotEvenACutTail) {
+  const std::vector<Ledgered> all = ledgered_originals();
+  const Scratch scratch(true);
+  std::mt19937 random(13);
+  Mutator mutator(scratch, random);
+  for (const Ledgered& one : all) {
+    put_files(scratch, one.run.files);
+    const Audit audit = audited(scratch.path("a.dwell"), one.options);
+    EXPECT_EQ(audit.state, is_open(one.run.end) ? AuditState::open : AuditState::intact) << audit.where;
+    EXPECT_TRUE(audit.trusted);
+  }
+  int done = 0, found = 0, cut = 0;
+  while (done < draws(300, 60)) {
+    const Ledgered& original = all[random() % all.size()];
+    const Ledgered& other = all[random() % all.size()];
+    if (&other == &original) continue;
+    const std::optional<Mutation> mutation = mutator.mutate(original.run, other.run);
+    if (!mutation || files_in(scratch) == original.run.files) continue;
+    ++done;
+    const Result<Audit> audit = audit_run(scratch.path("a.dwell"), original.options);
+    ASSERT_TRUE(audit) << audit.error();
+    const bool tampered = audit->state == AuditState::tampered;
+    const bool same = rows_of(scratch.path("a.dwell")) == original.run.rows;
+    EXPECT_TRUE(tampered || same) << "missed: " << mutation->what;
+    EXPECT_TRUE(tampered || audit->trusted) << mutation->what;
+    found += tampered ? 1 : 0;
+    cut += mutation->cut && !same ? 1 : 0;
+  }
+  EXPECT_GT(found, done / 2);
+  EXPECT_GT(cut, done / 60) << "cut tails were among them";
+}
+
+// Rows of a ledger as rows_of() tells those of a run.
+std::vector<std::string> ledger_rows(const std::string& path) {
+  auto reader = ChainReader::open(path, ChainSort::ledger);
+  if (!reader) return {"unreadable"};
+  std::vector<std::string> rows;
+  for (;;) {
+    const auto row = reader->next();
+    if (!row) return {"unreadable"};
+    if (!*row) return rows;
+    const Entry& entry = (*row)->entry;
+    rows.push_back(std::to_string(entry.seq) + " " + entry.kind + " " + std::to_string(entry.t_ns) + " " +
+                   hex((*row)->head) + " " + (*row)->note + " " + entry.body);
+  }
+}
+
+// One of the ways to alter a ledger, in words; nullopt: there is nothing of the kind.
+std::optional<std::string> alter_ledger(const Scratch& scratch, const Files& files, std::size_t entries,
+                                        std::mt19937& random) {
+  const auto below = [&](std::size_t n) { return random() % n; };
+  std::vector<std::string> parts;
+  for (const auto& [name, bytes] : files)
+    if (name.rfind("ledger.dwell-ledger", 0) == 0 && !bytes.empty()) parts.push_back(name);
+  const std::string name = parts[below(parts.size())];
+  std::string bytes = files.at(name);
+  const std::string a = std::to_string(1 + below(entries)), b = std::to_string(1 + below(entries));
+  const auto sql = [&](const std::string& statement) -> std::optional<std::string> {
+    if (!forge(scratch.path("ledger.dwell-ledger"), statement)) return std::nullopt;
+    return statement;
+  };
+  switch (below(10)) {
+    case 0:
+      return sql("DELETE FROM entry WHERE seq = " + a + "; DELETE FROM note WHERE seq = " + a);
+    case 1:
+      return sql("DELETE FROM note WHERE seq = " + a);
+    case 2:
+      if (a == b) return std::nullopt;
+      return sql("UPDATE entry SET seq = -1 WHERE seq = " + a + "; UPDATE entry SET seq = " + a + " WHERE seq = " + b +
+                 "; UPDATE entry SET seq = " + b + " WHERE seq = -1");
+    case 3: {
+      const std::size_t at = below(bytes.size());
+      for (std::size_t i = at; i < std::min(bytes.size(), at + 1 + below(600)); ++i)
+        bytes[i] = static_cast<char>(random());
+      scratch.write(name, bytes);
+      return "bytes from " + std::to_string(at) + " on of " + name;
+    }
+    default: {
+      const std::size_t at = below(8 * bytes.size());
+      bytes[at / 8] = static_cast<char>(bytes[at / 8] ^ 1 << at % 8);
+      scratch.write(name, bytes);
+      return "bit " + std::to_string(at % 8) + " of byte " + std::to_string(at / 8) + " of " + name;
+    }
+  }
+}
+
+TEST(Mutation, NoneOfALedgerIsMissedAndWhatItTellsOfRunsStaysTrue) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("ledger.dwell-ledger");
+  const Scratch elsewhere(true);  // without an anchor, the newest entries can be cut off
+  // While the service runs, the newest entries are in the -wal.
+  std::vector<Files> originals;
+  {
+    Ledger ledger = recorded(scratch, 6, true);
+    std::filesystem::remove(scratch.path("b.dwell"));
+    ASSERT_TRUE(ledger.run_deleted(2, "older than 400 days"));
+    ASSERT_TRUE(ledger.run_signed(3, sample_words()));
+    originals.push_back(files_in(scratch));
+    Anchor head = ledger.head();
+    head.utc = "2026-11-24T08:00:00.000000Z";
+    elsewhere.write("anchors", to_line(head) + "\n");
+  }
+  originals.push_back(files_in(scratch));
+  ASSERT_TRUE(originals[0].contains("ledger.dwell-ledger-wal"));
+  ASSERT_FALSE(originals[1].contains("ledger.dwell-ledger-wal"));
+  const std::vector<std::string> rows = ledger_rows(path);
+  AuditOptions options = pinned(sample_key());
+  options.anchors = {elsewhere.path("anchors")};
+  for (const Files& files : originals) {
+    put_files(scratch, files);
+    const auto audit = audit_ledger(path, scratch.path(), options);
+    ASSERT_TRUE(audit) << audit.error();
+    EXPECT_TRUE(audit->unbroken && audit->trusted && audit->missing.empty()) << audit->where;
+  }
+  options.ledger = path;
+  std::mt19937 random(14);
+  int done = 0, found = 0, unchanged = 0;
+  while (done < draws(300, 60)) {
+    const Files& original = originals[random() % originals.size()];
+    put_files(scratch, original);
+    const std::optional<std::string> mutation = alter_ledger(scratch, original, rows.size(), random);
+    if (!mutation || files_in(scratch) == original) continue;
+    ++done;
+    const auto audit = audit_ledger(path, scratch.path(), options);
+    const bool broken = !audit || !audit->unbroken;  // a ledger that cannot be read at all fails, which is no pass
+    EXPECT_FALSE(audit && broken && audit->where.empty()) << *mutation;
+    const Result<Audit> run = audit_run(scratch.path("a.dwell"), options);
+    if (broken) {
+      ++found;
+      EXPECT_FALSE(run && run->state == AuditState::intact && run->trusted && run->of_ledger) << *mutation;
+      continue;
+    }
+    ++unchanged;
+    const std::vector<std::string> left = ledger_rows(path);
+    EXPECT_TRUE(left == rows) << "missed: " << *mutation << ": " << left.size() << " of " << rows.size() << " rows";
+    ASSERT_TRUE(run) << run.error();
+    EXPECT_EQ(run->state, AuditState::intact) << *mutation << ": " << run->where;
+    EXPECT_TRUE(run->trusted) << *mutation;
+  }
+  std::cout << done << " mutations: " << found << " broken, " << unchanged << " in unused space\n";
+  EXPECT_GT(found, done / 2);
 }
 
 }  // namespace
