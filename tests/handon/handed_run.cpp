@@ -99,6 +99,7 @@ record::RunHeader header_of(const HandedRun& run, const config::RigFile& file, c
   header.rig = {"rig.toml", file.sha256, kRig};
   for (const Channel& channel : file.rig.channels) header.channels.push_back(channel.name);
   header.plugins = {{"modbus", "0.1.0"}};
+  header.files = run.files;
   header.origin = record::this_origin();
   return header;
 }

@@ -25,6 +25,7 @@ struct HandedRun {
   std::string label = "cold <b>start</b> & \"quoted\"";
   std::vector<record::StoredEvent> events;
   std::vector<record::StoredModel> models;
+  std::vector<record::KeptFile> files;  // that its rig file names
   bool closed = true;
 
   // What was written.

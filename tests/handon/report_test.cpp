@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "config/sha256.hpp"
 #include "daemon/handon/html.hpp"
 #include "daemon/handon/picture.hpp"
 #include "daemon/handon/report_dwell.hpp"
@@ -17,6 +18,8 @@ TEST(Report, IsOnePageThatHoldsEverythingAndRunsNothing) {
   test::HandedRun run;
   run.events = {{2, "2026-11-23T03:12:18Z", "action", "<script>alert(1)</script>", record::Person{1000, "o'brien"}, "a",
                  "b", "c"}};
+  const std::string dbc = "BO_ 385 motor: 8 amplifier\n", tape_sum(64, 'c');
+  run.files = {{"motor <1>.dbc", config::sha256(dbc), dbc}, {"tape.csv", tape_sum, {}}, {"endless.csv", {}, {}}};
   test::write(run, scratch.path("run.dwell"));
   Selection selection = test::select(run);
   record::Audit audit;
@@ -26,7 +29,9 @@ TEST(Report, IsOnePageThatHoldsEverythingAndRunsNothing) {
   audit.signatures = {{"reviewed by o'brien", "", false}};
   const auto done = export_report(selection, audit, test::provenance(), scratch.path("report.html"), {});
   ASSERT_TRUE(done) << done.error();
-  EXPECT_EQ(test::python("read_report.py", {scratch.path("report.html")}), 0);
+  EXPECT_EQ(test::python("read_report.py",
+                         {scratch.path("report.html"), selection.header().rig.sha256, config::sha256(dbc), tape_sum}),
+            0);
   // A line of the phasors' table breaks between two harmonics, not within one.
   EXPECT_NE(record::Scratch::read(scratch.path("report.html")).find("<td>2f\u00a0"), std::string::npos);
 }
