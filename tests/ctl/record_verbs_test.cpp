@@ -232,6 +232,17 @@ TEST_F(RecordVerbs, ShowSaysWhereTheClocksStateIsNotKnown) {
   EXPECT_FALSE(holds(outcome.out, "not synchronized")) << outcome.out;
 }
 
+TEST_F(RecordVerbs, ShowNamesTheFilesWithTheirSumsAndThoseWhoseTextIsNotKept) {
+  SampleRun run = make("run.dwell");
+  run.header.files = {{"motor.dbc", std::string(64, 'a'), "VERSION"}, {"tape.csv", std::string(64, 'b'), {}}};
+  write(run, key);
+  const std::string page = test::run({"show", run.path}).out;
+  EXPECT_TRUE(holds(page, "with       motor.dbc\nSHA-256    " + std::string(64, 'a') + "\n")) << page;
+  EXPECT_TRUE(
+      holds(page, "with       tape.csv; its text is not in the run file\nSHA-256    " + std::string(64, 'b') + "\n"))
+      << page;
+}
+
 TEST_F(RecordVerbs, ShowLinesUpIn80Columns) {
   SampleRun run = make("a-name-that-is-rather-long-for-a-file-but-which-somebody-will-give-it-some-day.dwell");
   run.header.label = std::string(200, 'l');
