@@ -95,7 +95,7 @@ TEST_F(RecordedService, ItsRunFileHoldsEachChangeOfStateWithItsReason) {
 TEST_F(RecordedService, ItsRunFileIsReadByTheIndependentReader) {
   if (std::system("/usr/bin/python3 -c 'import zstandard, cryptography' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-zstandard or python3-cryptography is not installed";
-  const record::RunReader reader = read();
+  record::RunReader reader = read();
   const std::string said = scratch().path("said");
   const std::string command = "/usr/bin/python3 " DWELL_SOURCE "/tests/record/read_run_file.py " + first_file() +
                               " --key " + reader.header().vkey + " >" + said;
@@ -106,7 +106,12 @@ TEST_F(RecordedService, ItsRunFileIsReadByTheIndependentReader) {
   EXPECT_EQ(found["records"], reader.end()->records);
   EXPECT_EQ(found["samples"], reader.end()->samples);
   EXPECT_EQ(found["run"]["rig"]["text"], reader.header().rig.text);
-  EXPECT_EQ(found["results"].back()["final"], true);
+  std::vector<std::uint64_t> positions, found_positions;
+  ASSERT_TRUE(reader.results(
+      false, [&](const record::StoredResult& result) { return positions.push_back(result.position), true; }));
+  for (const auto& result : found["results"]) found_positions.push_back(result["position"]);
+  EXPECT_GT(positions.size(), 3u);
+  EXPECT_EQ(found_positions, positions);
 }
 
 TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsks) {
