@@ -81,9 +81,9 @@ export class ScriptedService {
     return service;
   }
 
-  // Opens the page, which waits for play().
-  async open(browser, viewport) {
-    const page = await browser.newPage({ viewport });
+  // Opens the page, which waits for play(). options: more of the browser's newPage().
+  async open(browser, viewport, options = {}) {
+    const page = await browser.newPage({ viewport, ...options });
     await page.addInitScript(inBrowser, [BEGINS_MS, 1e3 * STEP_S]);
     await page.goto(this.url);
     while (!this.#stream) await once(this.#server, 'request');
