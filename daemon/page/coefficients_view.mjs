@@ -65,15 +65,16 @@ function renewLimit(node, { limit, struck }) {
 
 function makeElement(element) {
   return h('li', { class: 'element' }, h('h3', {}, `Element ${element.k}`), h('p', { class: 'reason' }), h('dl', {}),
-    h('ul', { class: 'notes' }), h('details', { class: 'budget' }, h('summary', {}, `What makes up ± of element ${element.k}`),
-      ...COEFFICIENTS.map(({ letter }) => h('div', {}, h('p', {}, letter + subscript(element.k)), h('ul', { class: 'bars' })))));
+    h('ul', { class: 'notes' }), makeBudget(element));
 }
+
+// What makes up the ± of an element's coefficients: a list that is opened.
+export const makeBudget = ({ k }) => h('details', { class: 'budget' }, h('summary', {}, `What makes up ± of element ${k}`),
+  ...COEFFICIENTS.map(({ letter }) => h('div', {}, h('p', {}, letter + subscript(k)), h('ul', { class: 'bars' }))));
 
 const EMPTY = { value: '—', u: '', unit: '' };
 
-function renewBudget(details, element) {
-  show(details, element.budget.length > 0);
-  if (!details.open) return;
+export function renewBudget(details, element) {
   COEFFICIENTS.forEach(({ key, letter }, i) => {
     const { bars, advice } = budgetOf(element, key);
     const [head, list] = details.children[i + 1].children;
@@ -87,7 +88,8 @@ function renewBudget(details, element) {
 
 function renewElement(node, element, view, source) {
   const [, reason, list, notes, budget] = node.children;
-  renewBudget(budget, element);
+  show(budget, element.budget.length > 0);
+  if (budget.open) renewBudget(budget, element);
   node.classList.toggle('withheld', element.reason !== null);
   show(reason, element.reason !== null);
   setText(reason, element.reason === null ? '' : `no coefficients: ${element.reason}`);
