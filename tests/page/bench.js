@@ -1,12 +1,13 @@
 // A simulated rig, the service and a browser, for tests: the ports are the kernel's choice, all files lie in a folder of
 // their own that goes with them.
-import { spawn } from 'node:child_process';
+import { execFile, spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
 
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
@@ -22,6 +23,9 @@ export async function until(condition, patience_ms = PATIENCE_MS) {
   for (const deadline = Date.now() + patience_ms; !(await condition()); await new Promise((done) => setTimeout(done, 100)))
     if (Date.now() > deadline) throw new Error(`never: ${condition}`);
 }
+
+// What dwellctl prints.
+export const dwellctl = async (...options) => (await promisify(execFile)(join(BIN, 'dwellctl'), options, { maxBuffer: 1e8 })).stdout;
 
 // A port that nobody listens on now.
 async function freePort() {
