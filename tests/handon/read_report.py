@@ -46,7 +46,7 @@ class Page(HTMLParser):
 
 
 ALLOWED = set(
-    "html head meta title style body h1 h2 h3 h4 p table thead tbody tr th td ul li figure figcaption svg rect line path"
+    "html head meta title style body main h1 h2 h3 h4 p table thead tbody tr th td ul li figure figcaption svg rect line path"
     " circle text div section code pre strong".split()
 )
 page = Page()
