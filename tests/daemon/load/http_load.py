@@ -5,9 +5,7 @@ http_load.py BUILD [PAIRS [SECONDS]]
 
 BUILD is a build folder with dwelld, rigsim and dwell-driver-modbus. 50 clients poll 20 times a second, 20 read the live
 stream, half of them with traces; one of the 20 never reads. Stretches with and without clients alternate, so that a
-machine that grows slower or warmer does so for both; the median of the pairs' ratios counts. A processor that idles is
-slower when it wakes, which made clients look as if they saved time: so in every stretch each processor has a busy loop
-that yields to all else. One stretch more has attackers: 5000 connections, of which 300 send a byte a second, and headers
+machine that grows slower or warmer does so for both; the median of the pairs' ratios counts. One stretch more has attackers: 5000 connections, of which 300 send a byte a second, and headers
 of a megabyte; beside them an operator who was served before. Exit code 1: a sample was dropped, the ratio is above 1.1,
 or the operator was not served. The figures mean something on a quiet machine alone. All traffic stays on 127.0.0.1.
 """
@@ -185,13 +183,6 @@ def said(process, pattern):
     sys.exit(f"no {pattern}")
 
 
-def busy_loop():
-    """Keeps a processor awake and yields it to whoever wants it."""
-    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-    while True:
-        pass
-
-
 def main():
     build = os.path.abspath(sys.argv[1])
     pairs = int(sys.argv[2]) if len(sys.argv) > 2 else 8
@@ -207,7 +198,6 @@ def main():
             file.write(re.sub(r"(?m)^listen .*", 'listen = "127.0.0.1:0"', text))
         service = subprocess.Popen([os.path.join(build, "bin/dwelld"), "--config", path, "--control", os.path.join(folder, "control")],
                                    stderr=subprocess.PIPE, text=True)
-        loops = [subprocess.Popen([sys.executable, __file__, "--busy"]) for _ in range(os.cpu_count())]
         try:
             for line in service.stderr:
                 if match := re.search(r"serving rig.* port (\d+)", line):
@@ -245,15 +235,13 @@ def main():
             if lost[True] or lost_attacked or statistics.median(ratios) > MOST_RATIO or served < SERVED:
                 sys.exit(1)
         finally:
-            for process in (service, rig, *loops):
+            for process in (service, rig):
                 process.terminate()
                 process.wait()
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--busy"]:
-        busy_loop()
-    elif sys.argv[1:2] in (["--clients"], ["--attackers"]):
+    if sys.argv[1:2] in (["--clients"], ["--attackers"]):
         clients_process(int(sys.argv[2]), clients if sys.argv[1] == "--clients" else attackers)
     else:
         main()
