@@ -16,7 +16,11 @@ constexpr int N = Resampler::kReadings;
 constexpr double kRidge = 1e-9;
 constexpr std::uint64_t kReadingsPerCheck = 16;
 
-double sinc(double angle) noexcept { return std::fabs(angle) < 1e-9 ? 1.0 : std::sin(angle) / angle; }
+// sinc(a - b), from the sines and cosines of both.
+double sinc(double a, double sin_a, double cos_a, double b, double sin_b, double cos_b) noexcept {
+  const double apart = a - b;
+  return std::fabs(apart) < 1e-9 ? 1.0 : (sin_a * cos_b - cos_a * sin_b) / apart;
+}
 
 using Square = Eigen::Matrix<double, N, N>;
 using Vector = Eigen::Matrix<double, N, 1>;
@@ -31,22 +35,18 @@ void SharedInstants::take(const Instants& t_ns, std::size_t oldest, double inter
   interval_ns_ = interval_ns;
   oldest_ns_ = t_ns[oldest];
   at_ns_ = INT64_MIN;
-  Values sine, cosine;
   for (std::size_t i = 0; i < N; ++i) {
     angles_[i] = angle(t_ns[i]);
-    sine[i] = std::sin(angles_[i]);
-    cosine[i] = std::cos(angles_[i]);
+    sines_[i] = std::sin(angles_[i]);
+    cosines_[i] = std::cos(angles_[i]);
   }
   Eigen::Map<Square> K(factor_.data());
   for (std::size_t j = 0; j < N; ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     K(column, column) = 1.0 + kRidge;
-    for (std::size_t i = j + 1; i < N; ++i) {
-      const double apart = angles_[i] - angles_[j];
-      // sin(φi - φj) from the sines and cosines of both: 32 of each instead of 496.
+    for (std::size_t i = j + 1; i < N; ++i)
       K(static_cast<Eigen::Index>(i), column) =
-          std::fabs(apart) < 1e-9 ? 1.0 : (sine[i] * cosine[j] - cosine[i] * sine[j]) / apart;
-    }
+          sinc(angles_[i], sines_[i], cosines_[i], angles_[j], sines_[j], cosines_[j]);
   }
   const Eigen::LLT<Eigen::Ref<Square>> in_place(K);  // reads the lower half and leaves the factor there
 }
@@ -67,8 +67,8 @@ double SharedInstants::inverse_at(std::size_t place) const {
 const SharedInstants::Values& SharedInstants::covariance(std::int64_t at_ns) {
   if (at_ns != at_ns_) {
     at_ns_ = at_ns;
-    const double here = angle(at_ns);
-    for (std::size_t i = 0; i < N; ++i) covariance_[i] = sinc(here - angles_[i]);
+    const double here = angle(at_ns), sine = std::sin(here), cosine = std::cos(here);
+    for (std::size_t i = 0; i < N; ++i) covariance_[i] = sinc(here, sine, cosine, angles_[i], sines_[i], cosines_[i]);
   }
   return covariance_;
 }

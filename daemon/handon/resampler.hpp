@@ -44,7 +44,8 @@ class SharedInstants {
   Instants t_ns_{};
   double interval_ns_ = 0.0;  // 0: nothing has been taken
   std::int64_t oldest_ns_ = 0, at_ns_ = INT64_MIN;
-  Values angles_{}, covariance_{};
+  Values angles_{}, sines_{}, cosines_{};
+  Values covariance_{};
   std::array<double, static_cast<std::size_t>(kReadings) * kReadings> factor_{};  // Cholesky, lower, column by column
 };
 
