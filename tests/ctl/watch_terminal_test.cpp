@@ -203,7 +203,6 @@ TEST(WatchOnATerminal, PauseHoldsTheNumbersAndGoesOn) {
   EXPECT_TRUE(watch.await("space pause"));
 }
 
-// One question a second for channels, alarms and health; then, once, the dwells of the last hour.
 // A stream, and what is asked for beside it a second later. The list of runs, which comes last, is left to the test.
 std::vector<Reply> stream_and_dwells() {
   Reply stream = measuring();
