@@ -48,7 +48,7 @@ void Questions::ask_unverified(WatchState& state) const {
   if (const auto answer = asks_("/api/v1/verification")) state.take(why_unverified(*answer));
 }
 
-// Once for each state of which the dwell does not tell since when it is so.
+// Asks since when the state is so, once for each state. Only where the dwell does not tell it.
 void Questions::ask_since(WatchState& state) {
   if (knows_since_ || !state.dwell() || state.since_utc_ns()) return;
   knows_since_ = true;
