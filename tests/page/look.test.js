@@ -82,28 +82,6 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
   });
 }
 
-// Three of the four elements have reasons, and the one that may be used was pushed off the screen.
-test('a stuck transducer pushes no element of a usual rig off a wall display', async () => {
-  const page = await open('wall', '?kiosk');
-  await page.waitForSelector('#coefficients[data-source=measured] .element');
-  assert.equal(await page.locator('html.compact').count(), 0);
-  bench.rig.say('stuck y2 on');
-  try {
-    await page.waitForFunction(() => document.querySelectorAll('.element.withheld .number.struck').length === 6);
-    await page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
-    const usable = await page.evaluate(() => [...document.querySelectorAll('.element:not(.withheld) .number')].map((n) => n.getBoundingClientRect().bottom <= window.innerHeight));
-    assert.deepEqual(usable, [true, true]);
-    const foot = page.locator('#beyond:not([hidden])');
-    if (await foot.count()) assert.doesNotMatch(await foot.innerText(), /element/);
-    await check(page, 'stuck-wall');
-  } finally {
-    bench.rig.say('stuck y2 off');
-  }
-  await page.waitForFunction(() => !document.documentElement.classList.contains('compact'), null, { timeout: 3 * PATIENCE_MS });
-  await page.waitForSelector('#state[data-kind=measuring]');
-  await page.close();
-});
-
 // The note said that there was no room for element 4, which it covered itself.
 test('where the note at the foot would cover an element of a wall display, the elements are set closer', async () => {
   const page = await open('wall', '?kiosk');
@@ -158,6 +136,29 @@ test('alarms that find no room on a wall display are named at its foot, and no t
   await page.locator('#beyond', { hasText: /, alarms “limit:stiffness:2”, “channel:y3”$/ }).waitFor();
   assert.deepEqual(await cut(), { cut: true, mark: true });
   await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
+// After the tests of a usual wall display: the alarm and the warnings that it leaves take room there.
+// Three of the four elements have reasons, and the one that may be used was pushed off the screen.
+test('a stuck transducer pushes no element of a usual rig off a wall display', async () => {
+  const page = await open('wall', '?kiosk');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  assert.equal(await page.locator('html.compact').count(), 0);
+  bench.rig.say('stuck y2 on');
+  try {
+    await page.waitForFunction(() => document.querySelectorAll('.element.withheld .number.struck').length === 6);
+    await page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
+    const usable = await page.evaluate(() => [...document.querySelectorAll('.element:not(.withheld) .number')].map((n) => n.getBoundingClientRect().bottom <= window.innerHeight));
+    assert.deepEqual(usable, [true, true]);
+    const foot = page.locator('#beyond:not([hidden])');
+    if (await foot.count()) assert.doesNotMatch(await foot.innerText(), /element/);
+    await check(page, 'stuck-wall');
+  } finally {
+    bench.rig.say('stuck y2 off');
+  }
+  await page.waitForFunction(() => !document.documentElement.classList.contains('compact'), null, { timeout: 3 * PATIENCE_MS });
+  await page.waitForSelector('#state[data-kind=measuring]');
   await page.close();
 });
 
