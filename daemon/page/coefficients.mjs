@@ -144,6 +144,12 @@ export function legendOf(shown, trendLacks = []) {
   return `${parts.join('. ')}.`;
 }
 
+// What a trend beside a number is, and shows; '': there is none. reach_ms: before now; null: nothing is known yet.
+export function trendLegendOf(shown, reach_ms) {
+  if (reach_ms === null || !shown.elements.some((e) => !e.last && e.cells.some((cell) => !cell.struck))) return '';
+  return `A trend shows the last ${ageText(reach_ms / 1e3)}. Its middle is the newest measured value, its upper and lower edge that value ± the % below it. The grey band is the ± of each value.`;
+}
+
 // { source, title, notes, reason, unstated, warnings, nowWarnings, elements: [{ k, reason, cells, last, notes }] }
 //   source  'measured', 'transient', 'last' or 'none'
 //   notes   { tone, text }: of 'last': the doubts, and the verdict on the model; the head tells those of a dwell of now

@@ -1,8 +1,8 @@
 // The coefficients on the page: coefficients.mjs decides what stands there, this puts it there.
 import { budgetOf } from './budget.mjs';
-import { COEFFICIENTS, coefficientsOf, legendOf, subscript } from './coefficients.mjs';
+import { COEFFICIENTS, coefficientsOf, legendOf, subscript, trendLegendOf } from './coefficients.mjs';
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
-import { deviationOf, trendPaths } from './history.mjs';
+import { deviationOf, trendPaths, trendTexts } from './history.mjs';
 import { percentText } from './number.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -30,19 +30,25 @@ function makeCell(cell) {
   return h('div', { class: 'coefficient' },
     h('dt', {}, h('span', { class: 'symbol' }, cell.symbol), h('span', { class: 'name' }, ` ${cell.name}`)),
     h('dd', {}, makeNumber(), s('svg', { class: 'trend', viewBox: `0 0 ${TREND.width} ${TREND.height}`, preserveAspectRatio: 'none',
-      'aria-hidden': 'true' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' }), h('span', { class: 'limit' })));
+      role: 'img' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' }), h('span', { class: 'height', 'aria-hidden': 'true' }),
+    h('span', { class: 'limit' })));
 }
 
 // The trend changes little: it is drawn anew once a second at most.
 const drawn = new WeakMap();
 function renewTrend(node, cell, view, source) {
-  const [, trend, deviation] = node.lastChild.children;
+  const [, trend, deviation, height] = node.lastChild.children;
   const second = Math.floor(view.now);
   if (drawn.get(node) === second) return;
   drawn.set(node, second);
   const [, k] = cell.of;
-  const paths = trendPaths(view.history.of(cell.of[0], k, view.nowMs), view.nowMs, TREND.width, TREND.height);
+  const points = view.history.of(cell.of[0], k, view.nowMs);
+  const reach_ms = view.history.reachMs(view.nowMs);
+  const paths = trendPaths(points, view.nowMs, reach_ms, TREND.width, TREND.height);
+  const texts = paths && trendTexts(points, reach_ms, paths.half);
   trend.classList.toggle('none', !paths);
+  setAttributes(trend, { 'aria-label': texts?.spoken ?? '' });
+  setText(height, texts?.height ?? '');
   setAttributes(trend.children[0], { d: paths?.band ?? '' });
   setAttributes(trend.children[1], { d: paths?.line ?? '' });
   const moved = source === 'measured' ? deviationOf(view.dwell, cell.of[0], k, view.nowMs) : null;
@@ -59,15 +65,16 @@ function renewLimit(node, { limit, struck }) {
 
 function makeElement(element) {
   return h('li', { class: 'element' }, h('h3', {}, `Element ${element.k}`), h('p', { class: 'reason' }), h('dl', {}),
-    h('ul', { class: 'notes' }), h('details', { class: 'budget' }, h('summary', {}, `What makes up ± of element ${element.k}`),
-      ...COEFFICIENTS.map(({ letter }) => h('div', {}, h('p', {}, letter + subscript(element.k)), h('ul', { class: 'bars' })))));
+    h('ul', { class: 'notes' }), makeBudget(element));
 }
+
+// What makes up the ± of an element's coefficients: a list that is opened.
+export const makeBudget = ({ k }) => h('details', { class: 'budget' }, h('summary', {}, `What makes up ± of element ${k}`),
+  ...COEFFICIENTS.map(({ letter }) => h('div', {}, h('p', {}, letter + subscript(k)), h('ul', { class: 'bars' }))));
 
 const EMPTY = { value: '—', u: '', unit: '' };
 
-function renewBudget(details, element) {
-  show(details, element.budget.length > 0);
-  if (!details.open) return;
+export function renewBudget(details, element) {
   COEFFICIENTS.forEach(({ key, letter }, i) => {
     const { bars, advice } = budgetOf(element, key);
     const [head, list] = details.children[i + 1].children;
@@ -81,7 +88,8 @@ function renewBudget(details, element) {
 
 function renewElement(node, element, view, source) {
   const [, reason, list, notes, budget] = node.children;
-  renewBudget(budget, element);
+  show(budget, element.budget.length > 0);
+  if (budget.open) renewBudget(budget, element);
   node.classList.toggle('withheld', element.reason !== null);
   show(reason, element.reason !== null);
   setText(reason, element.reason === null ? '' : `no coefficients: ${element.reason}`);
@@ -119,4 +127,5 @@ export function showCoefficients(view) {
   showWarnings($('now-warnings'), shown.nowWarnings);
   show($('now-warnings-title'), shown.nowWarnings.length > 0);
   setText($('legend'), legendOf(shown, view.trendLacks));
+  setText($('trend-legend'), trendLegendOf(shown, view.history.reachMs(view.nowMs)));
 }

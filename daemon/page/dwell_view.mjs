@@ -1,9 +1,10 @@
 // One finished dwell, opened from the list: everything that the service or the run's file keeps of it.
-import { budgetOf } from './budget.mjs';
 import { about, COEFFICIENTS, marksOf, subscript } from './coefficients.mjs';
-import { h, setText } from './dom.mjs';
+import { makeBudget, renewBudget } from './coefficients_view.mjs';
+import { h, rowHead, setText } from './dom.mjs';
 import { limitOf } from './limits.mjs';
-import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
+import { joined, NORMAL_95, NO_NUMBER, numberText, secondsText } from './number.mjs';
+import { phasorCells, whyNoPhasor } from './polar.mjs';
 import { FILE_MS, fromRun } from './runs.mjs';
 import { modelOf, whom } from './wording.mjs';
 
@@ -25,6 +26,19 @@ function elementItem(d, e) {
   return h('li', {}, ...COEFFICIENTS.flatMap((coefficient) => coefficientParts(d, e, coefficient)));
 }
 
+function budgetItem(element) {
+  const details = makeBudget(element);
+  renewBudget(details, element);
+  return h('li', {}, details);
+}
+
+function phasorTable(d) {
+  const cells = (p) => (p.valid ? phasorCells(d, p).slice(0, 2).map((text) => h('td', {}, text)) : [h('td', { colspan: 2, class: 'words' }, whyNoPhasor(p))]);
+  return h('div', { class: 'wide', role: 'region', 'aria-label': 'Table of phasors of the dwell', tabindex: 0 },
+    h('table', {}, h('thead', {}, h('tr', {}, ...['channel', 'amplitude', 'phase'].map((title) => h('th', { scope: 'col' }, title)))),
+      h('tbody', {}, ...d.phasors.map((p) => h('tr', {}, rowHead(p.channel), ...cells(p))))));
+}
+
 // from: { tone, text } of the run's file; null: it comes from none.
 function contentOf(d, from) {
   const settled = d.settled_s !== null;
@@ -38,10 +52,9 @@ function contentOf(d, from) {
       line('settling', d.settling_reason || NO_NUMBER),
       ...(model ? [line('model', model.text, model.tone)] : []),
       line('frequency', joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz'))),
-      line('ended by', d.ended_by),
-      line('phasors', d.phasors.map((p) => `${p.channel} ${p.valid ? plainText(p.amplitude, p.unit, 4) : NO_NUMBER}`).join(', ')),
-      ...d.elements.filter((e) => e.budget?.length).map((e) => line(`± of c${subscript(e.k)}`, budgetOf(e, 'stiffness').bars
-        .map((bar) => `${bar.source} ${percentText(bar.share)}`).join(', ')))),
+      line('ended by', d.ended_by)),
+    phasorTable(d),
+    h('ul', { class: 'plain' }, ...d.elements.filter((e) => e.budget?.length).map(budgetItem)),
   ];
 }
 

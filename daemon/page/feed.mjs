@@ -3,7 +3,7 @@
 import { applyChange } from './change.mjs';
 import { keyOf, LastNumbers } from './coefficients.mjs';
 import { Freshness, SELDOM_MS } from './freshness.mjs';
-import { History, HOUR_MS } from './history.mjs';
+import { History, HOUR_MS, ROOM } from './history.mjs';
 import { earlierRuns, FILE_MS } from './runs.mjs';
 import { NOT_VERIFIED, utcMs } from './wording.mjs';
 
@@ -15,6 +15,8 @@ const BEGAN_MS = 2000; // a beginning that is told so much later, or earlier, is
 const ASKED_AGAIN = 2; // dwells before the newest of the list
 const KEPT_EVENTS = 500;
 const KEPT_DWELLS = 300;
+const PER_ANSWER = 100; // dwells: the most that the service tells at once
+const STEPS_BACK = Math.ceil(ROOM / PER_ANSWER) - 1; // from the newest answer: the trend has no room for more dwells
 
 // The service answers, but this browser may not read: nobody is logged in, or no longer.
 class Refused extends Error {}
@@ -25,7 +27,9 @@ export class Feed {
   channels = null;
   alarms = null;
   events = [];
+  eventsTotal = 0; // lines since the service began
   dwells = []; // summaries of finished ones, oldest first, each with the file of its run; null: it is not recorded
+  dwellsTotal = 0; // how many have ended in the newest run
   runs = []; // the newest
   runsTotal = 0; // how many the service has
   verification = null; // the newest of the run; asked for while the dwell's model has no verdict, for the reason
@@ -42,6 +46,7 @@ export class Feed {
   #askingSeldom = false;
   #askingEarlier = false;
   #earlier = null; // runs whose dwells the trend still lacks, { run, failed: how often }; null: not known yet
+  #back = null; // how far back the dwells of the newest run have been asked for, as #askBack() takes it
   #nextEvent = 0; // 0: all are asked for
   #began_ms = NaN; // UTC when the service began, as health told last
   #ahead_ms = 0; // the service's clock before this computer's
@@ -195,6 +200,7 @@ export class Feed {
       return this.#askEvents();
     }
     this.#nextEvent = told.next;
+    this.eventsTotal = told.total;
     this.fresh.tookList('events', this.#now());
     this.events = [...(from ? this.events : []), ...told.events].slice(-KEPT_EVENTS);
   }
@@ -204,17 +210,49 @@ export class Feed {
     // The model of a dwell may be verified, or contradicted, after its end: the newest are asked for again.
     const newest = this.dwells.findLast((d) => d.start_utc === run);
     const from = newest ? Math.max(1, newest.index - ASKED_AGAIN) : null;
-    const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from}` : ''}`);
+    const path = `/api/v1/dwells?brief=1&count=${PER_ANSWER}`;
+    const list = await this.#get(`${path}${from ? `&from=${from}` : ''}`);
     this.fresh.tookList('dwells', this.#now());
-    const known = new Set(list.dwells.map(keyOf));
-    const { file } = list; // with each run the list begins anew
-    this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells.map((d) => ({ ...d, file }))].slice(-KEPT_DWELLS);
+    this.dwellsTotal = list.total;
+    this.#addDwells(list);
     for (const dwell of list.dwells) {
       const ended = utcMs(dwell, dwell.end_s);
       if (ended === null) continue;
       this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
     }
-    this.#addToTrend(list.dwells);
+    if (!from) this.#back = { oldest: list.dwells[0], steps: 0 };
+    await this.#askBack(path, this.#back, (older) => this.#addDwells(older));
+  }
+
+  // list: of dwells of one run, with its file. With each run the service's list begins anew.
+  #addDwells({ dwells, file }) {
+    const known = new Set(dwells.map(keyOf));
+    const run = dwells[0]?.start_utc;
+    const own = [...this.dwells.filter((d) => d.start_utc === run && !known.has(keyOf(d))), ...dwells.map((d) => ({ ...d, file }))];
+    own.sort((a, b) => a.index - b.index);
+    this.dwells = [...this.dwells.filter((d) => d.start_utc !== run), ...own].slice(-KEPT_DWELLS);
+    this.#addToTrend(dwells);
+  }
+
+  // Asks for the dwells before those that were told, until they reach back an hour: without an index the service tells the
+  // newest, with one it goes on to newer ones. path: of the list. back: { oldest: the oldest dwell told, steps: how many
+  // were made }, so that a question that fails is asked again where it was. Each answer goes to take().
+  async #askBack(path, back, take, most_ms) {
+    const isYoung = (dwell) => utcMs(dwell, dwell.end_s) > this.nowMs() - HOUR_MS;
+    while (back.oldest?.index > 1 && isYoung(back.oldest) && back.steps < STEPS_BACK) {
+      const { index: end, start_utc } = back.oldest;
+      const older = [];
+      // Of many elements an answer holds fewer dwells than asked for, and says where it goes on.
+      for (let from = Math.max(1, end - PER_ANSWER); from < end;) {
+        const list = await this.#get(`${path}&from=${from}`, most_ms);
+        const told = list.dwells.filter((d) => d.start_utc === start_utc && d.index < end);
+        take({ ...list, dwells: told });
+        older.push(...told);
+        from = told.length > 0 ? list.next ?? end : end;
+      }
+      back.oldest = older[0];
+      back.steps += 1;
+    }
   }
 
   async #askRuns() {
@@ -231,8 +269,12 @@ export class Feed {
     this.#earlier ??= earlierRuns(this.runs).filter(({ ended }) => ended && Date.parse(ended) > since_ms).map((run) => ({ run, failed: 0 }));
     for (const one of this.#earlier.filter(({ failed }) => failed < TRIES)) {
       try {
-        const told = await this.#get(`${one.run.dwells_at}?count=100`, FILE_MS);
-        if (told.rig_sha256 === this.health.rig_sha256) this.#addToTrend(told.dwells);
+        const path = `${one.run.dwells_at}?count=${PER_ANSWER}`;
+        const told = await this.#get(path, FILE_MS);
+        if (told.rig_sha256 === this.health.rig_sha256) {
+          this.#addToTrend(told.dwells);
+          await this.#askBack(path, { oldest: told.dwells[0], steps: 0 }, ({ dwells }) => this.#addToTrend(dwells), FILE_MS);
+        }
         this.#earlier = this.#earlier.filter((other) => other !== one);
       } catch {
         one.failed += 1; // it is asked again at the next turn

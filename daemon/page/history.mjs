@@ -1,7 +1,7 @@
 // How each coefficient has moved over the last hour, and, as the service tells it, since the dwell before. Pure.
 import { keyOf } from './coefficients.mjs';
 import { utcMs } from './wording.mjs';
-import { instantText, isNumber, numberText } from './number.mjs';
+import { ageText, instantText, isNumber, numberText, percentText } from './number.mjs';
 
 export const HOUR_MS = 3600_000;
 const MINUTE_MS = 60_000;
@@ -150,6 +150,13 @@ export class History {
     if (dwell && !dwell.ended && this.#points.at(-1)?.ms !== ms) add(this.#live);
     return list;
   }
+
+  // What all trends show, ms before now: since the first dwell that is known, a minute at least, an hour at most. null:
+  // none is known.
+  reachMs(nowMs) {
+    const first = this.#points.find((point) => point.ms > nowMs - HOUR_MS);
+    return first ? Math.min(HOUR_MS, Math.max(MINUTE_MS, nowMs - first.from)) : null;
+  }
 }
 
 // How the coefficient of a live dwell differs from that of the settled dwell before: { text, moved }. null: there is
@@ -168,14 +175,14 @@ export function deviationOf(dwell, coefficient, k, nowMs) {
 }
 
 // Where a trend is drawn, in a box of this size: the band value ± U95 and the line in its middle, as paths. Dwells are not
-// joined, nor the points around an outage of one: nobody knows what was in between. What is known fills the width: a minute at least, an hour at most. The newest value ± its U95 takes half
-// the height, or less where an older value was further away; wider bands, as at a dwell's beginning, are cut off at the
-// edge. null: nothing to draw.
-export function trendPaths(points, nowMs, width, height) {
+// joined, nor the points around an outage of one: nobody knows what was in between. The width is the time reach_ms before
+// now. The newest value ± its U95 takes half the height, or less where an older value was further away; wider bands, as at
+// a dwell's beginning, are cut off at the edge. half: from the middle to an edge, in the unit of the values. null: nothing
+// to draw.
+export function trendPaths(points, nowMs, reach, width, height) {
   if (points.length === 0) return null;
   const newest = points.at(-1);
   const most = Math.max(2 * newest.U95, ...points.map((p) => Math.abs(p.value - newest.value))) || Math.abs(newest.value) || 1;
-  const reach = Math.min(HOUR_MS, Math.max(MINUTE_MS, nowMs - points[0].from));
   const x = (p) => Math.max(0, width * (1 - (nowMs - p.ms) / reach)).toFixed(1);
   const part = (value) => Math.min(1, Math.max(-1, (value - newest.value) / most));
   const y = (value) => (height / 2 - (height / 2 - 1) * part(value)).toFixed(1);
@@ -196,5 +203,15 @@ export function trendPaths(points, nowMs, width, height) {
     line += `M${ends.map((p) => `${x(p)} ${y(p.value)}`).join('L')}`;
     band += `M${ends.map((p) => `${x(p)} ${y(p.value + p.U95)}`).join('L')}L${[...ends].reverse().map((p) => `${x(p)} ${y(p.value - p.U95)}`).join('L')}Z`;
   }
-  return { line, band };
+  return { line, band, half: most };
+}
+
+// What a trend shows, { height: "± 0.28 %" of the newest value, spoken: for those who do not see it }. half: as above.
+export function trendTexts(points, reach_ms, half) {
+  const newest = points.at(-1).value;
+  const values = points.map((p) => p.value);
+  const away = (value) => `${value < newest ? '\u2212' : '+'}${percentText(Math.abs((value - newest) / newest))}`;
+  const height = newest === 0 ? '' : `± ${percentText(half / Math.abs(newest))}`;
+  const range = newest === 0 ? '' : `: from the newest value ${away(Math.min(...values))} to ${away(Math.max(...values))}, height ${height}`;
+  return { height, spoken: `Trend of the last ${ageText(reach_ms / 1e3)}${range}` };
 }

@@ -25,8 +25,8 @@ function draw() {
   due = false;
   const now = clock.now();
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
-  const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
-    dwells: feed.dwells, runs: feed.runs, runsTotal: feed.runsTotal, verification: feed.verification, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, trendLacks: feed.trendLacks(), now,
+  const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events, eventsTotal: feed.eventsTotal,
+    dwells: feed.dwells, dwellsTotal: feed.dwellsTotal, runs: feed.runs, runsTotal: feed.runsTotal, verification: feed.verification, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, trendLacks: feed.trendLacks(), now,
     nowMs: feed.nowMs(), broken: silent.size > 0, refused: feed.refused, rights: rightsNow() };
   showHead(view);
   showCoefficients(view);

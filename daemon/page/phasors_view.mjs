@@ -80,6 +80,6 @@ export function showPhasors(view) {
       setAttributes(node, { class: row.struck ? 'struck' : '' });
       setText(node.firstChild.firstChild, row.struck && row.reason === undefined ? `${row.key}, ${row.struck} old` : row.key);
       if (row.reason !== undefined) setText(node.lastChild, row.reason);
-      else row.cells.slice(1).forEach((text, i) => setText(node.children[i + 1].firstChild, text));
+      else row.cells.forEach((text, i) => setText(node.children[i + 1].firstChild, text));
     });
 }

@@ -96,26 +96,31 @@ const degrees = (rad) => {
   return 360 * (turn - Math.round(turn));
 };
 
+// [amplitude, phase to the first valid channel, mean, largest harmonic] of a valid phasor of a dwell, as text. While the
+// transient lasts they have no ±.
+export function phasorCells(dwell, p) {
+  const provisional = dwell.settled_s === null;
+  const reference = dwell.phasors.find((other) => other.valid);
+  const phase = degrees(p.phase_rad - reference.phase_rad);
+  const largest = p.harmonics.reduce((best, value, i) => (isNumber(value) && value > (best?.value ?? 0) ? { value, i } : best), null);
+  return [provisional ? plainText(p.amplitude, p.unit, 3) : joined(numberText(p.amplitude, NORMAL_95 * p.u_amplitude, p.unit)),
+    p === reference ? '0°' : provisional ? plainText(phase, '°', 3).replace(' °', '°')
+      : joined(numberText(phase, NORMAL_95 * 180 / Math.PI * p.u_relative_phase_rad, '°')).replace(' °', '°'),
+    plainText(p.mean, p.unit, 3), largest ? `${percentText(largest.value)} (${largest.i + 2}f)` : NO_NUMBER];
+}
+
+export const whyNoPhasor = (p) => p.reason ?? 'no reason stated';
+
 // Rows of the table: { key, struck: null, or its age as text, cells }, or in place of the cells the reason why there are
 // none.
 export function phasorRows(view) {
   const { dwell, fresh, now } = view;
-  const reference = dwell.phasors.find((p) => p.valid);
-  const provisional = dwell.settled_s === null;
   const old = fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null;
   return dwell.phasors.map((p) => {
     const channel = view.channels?.find((c) => c.name === p.channel);
     // Once the dwell has ended, the age of the channel's newest reading is not that of its phasor.
     const gone = dwell.state !== 'complete' && view.health?.stale.includes(p.channel) ? ageText(channel?.age_s) : null;
-    const row = { key: p.channel, struck: old ?? gone, cells: [p.channel] };
-    if (!p.valid) return { ...row, reason: p.reason ?? 'no reason stated' };
-    const phase = degrees(p.phase_rad - reference.phase_rad);
-    const largest = p.harmonics.reduce((best, value, i) => (isNumber(value) && value > (best?.value ?? 0) ? { value, i } : best), null);
-    row.cells.push(
-      provisional ? plainText(p.amplitude, p.unit, 3) : joined(numberText(p.amplitude, NORMAL_95 * p.u_amplitude, p.unit)),
-      p === reference ? '0°' : provisional ? plainText(phase, '°', 3).replace(' °', '°')
-        : joined(numberText(phase, NORMAL_95 * 180 / Math.PI * p.u_relative_phase_rad, '°')).replace(' °', '°'),
-      plainText(p.mean, p.unit, 3), largest ? `${percentText(largest.value)} (${largest.i + 2}f)` : NO_NUMBER);
-    return row;
+    const row = { key: p.channel, struck: old ?? gone };
+    return p.valid ? { ...row, cells: phasorCells(dwell, p) } : { ...row, reason: whyNoPhasor(p) };
   });
 }

@@ -38,6 +38,9 @@ export function runOf(run, nowMs) {
 export const olderRunsText = (shown, total) =>
   (shown < total ? `The newest ${shown} of ${total} runs. Older ones: dwellctl runs, or dwellctl runs FOLDER where they are recorded.` : '');
 
+// The same under a table of dwells of the newest run.
+export const olderDwellsText = (shown, total) => (shown < total ? `The newest ${shown} of ${total} dwells of this run.` : '');
+
 // Runs whose dwells can be opened, the newest first: those of the run that goes on are told without its file.
 export const earlierRuns = (runs) => runs.filter((run) => run.dwells_at).reverse();
 

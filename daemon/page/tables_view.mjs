@@ -5,8 +5,8 @@ import { h, keyed, readable, rowHead, setAttributes, setText, show } from './dom
 import { beginEarlier, earlierDwells, runOfDwell } from './earlier_view.mjs';
 import { limitOf, SHAPES } from './limits.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
-import { noDwellsText, olderRunsText, runOf } from './runs.mjs';
-import { isWell, modelBrief, utcMs } from './wording.mjs';
+import { noDwellsText, olderDwellsText, olderRunsText, runOf } from './runs.mjs';
+import { eventsText, isWell, modelBrief, utcMs } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 const EVENTS_SHOWN = 100;
@@ -57,14 +57,14 @@ function markOld(name, { fresh, now }, told = true) {
 }
 
 function showEvents(view) {
-  const { events, health, nowMs } = view;
+  const { events, eventsTotal, health, nowMs } = view;
   const least = ['info', 'warning', 'error'].indexOf($('event-level').value);
   const words = $('event-words').value.toLowerCase();
-  const shown = events.filter((e) => ['info', 'warning', 'error'].indexOf(e.level) >= least && e.text.toLowerCase().includes(words))
-    .slice(-EVENTS_SHOWN).reverse();
+  const fit = events.filter((e) => ['info', 'warning', 'error'].indexOf(e.level) >= least && e.text.toLowerCase().includes(words));
+  const shown = fit.slice(-EVENTS_SHOWN).reverse();
   show($('events'), health !== null);
   markOld('events', view);
-  setText($('events-none'), shown.length > 0 ? '' : events.length > 0 ? 'No event fits the filter.' : 'No events yet.');
+  setText($('events-none'), eventsText({ shown: shown.length, fit: fit.length, known: events.length, total: eventsTotal }));
   keyed($('event-rows'), shown, (e) => `${e.number} ${e.utc}`, (e) => h('li', { 'data-level': e.level },
     h('time', { datetime: e.utc }), h('span', { class: 'level' }, e.level === 'info' ? '' : e.level === 'error' ? '▲ error ' : '◆ warning '),
     h('span', {}, e.text)), (node, e) => setText(node.firstChild, dateText(e.utc, nowMs)));
@@ -92,10 +92,11 @@ function showDwells(view) {
   const { dwell, runs, health, nowMs } = view;
   const earlier = earlierDwells(view);
   const dwells = earlier?.dwells ?? view.dwells;
+  const own = dwells.filter((d) => d.start_utc === dwells.at(-1).start_utc).length;
   show($('dwells'), health !== null);
   markOld('dwells', view, !earlier);
   show($('dwells-table'), dwells.length > 0);
-  setText($('dwells-none'), earlier?.text ?? noDwellsText(dwells, runs));
+  setText($('dwells-none'), earlier?.text ?? (noDwellsText(dwells, runs) || olderDwellsText(own, view.dwellsTotal)));
   const ks = [...new Set(dwells.flatMap((d) => d.elements.map((e) => e.k)))].sort((a, b) => a - b);
   if (ks.join() !== heads) {
     heads = ks.join();

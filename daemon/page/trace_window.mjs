@@ -4,6 +4,14 @@ import { isNumber, joined, NO_NUMBER, numberText, plainText } from './number.mjs
 
 // The width of the bins that the stream tells of; every other width is this times or divided by a power of 4.
 const LIVE_STEP_S = 0.02;
+// The narrowest ones: so near to each other two readings of a channel seldom come.
+const FINEST_S = LIVE_STEP_S / 64;
+// Bins of an answer at most: of one channel, and of all together.
+export const MOST_BINS = 4000;
+const MOST_IN_ALL = 64_000;
+// Answers that a file of single readings is made of, at most: 20 s of up to 16 channels, 5 s of 64. The service computes
+// each within 10 ms.
+const MOST_ANSWERS = 16;
 // A cursor reads what is no farther away: a reading of a channel at 10 Hz.
 const NEAR_S = 0.05;
 
@@ -107,6 +115,9 @@ export class TraceWindow {
   }
 }
 
+export const durationText = (s, digits = 3) => (s < 1 ? `${Number((1e3 * s).toPrecision(digits))} ms` : `${Number(s.toPrecision(digits))} s`);
+const widthText = ({ step_s }) => durationText(step_s, 6);
+
 // A number in the unit of its channel, without a prefix that would differ from cursor to cursor.
 function inUnit(value, half, unit) {
   if (!isNumber(value)) return NO_NUMBER;
@@ -142,15 +153,46 @@ export function agesOf(last, newest_s, quiet_s, old_s) {
 const lessText = (answer) => (answer.less_dwell === null ? ''
   : ` less steady part of dwell ${answer.less_dwell} fitted from ${Number(answer.less_from_s.toFixed(3))} s`);
 
-// The answer of GET /api/v1/traces as CSV, its numbers as they came: t in seconds since `origin_utc`, where each bin
-// begins, then the least and the greatest reading of each channel. An empty cell: no reading.
+// What an answer holds, in the narrowest bins. null: they are too many, or the service no longer keeps them. ask(from_s,
+// to_s): an answer of as many bins as one may have.
+export async function finestOf(answer, ask) {
+  const each = Math.min(MOST_BINS, Math.floor(MOST_IN_ALL / Math.max(answer.channels.length, 1)));
+  const first = Math.round(answer.from_s / FINEST_S);
+  const last = Math.floor(Math.min(answer.from_s + answer.bins * answer.step_s, answer.newest_s) / FINEST_S);
+  const answers = answer.less_dwell === null ? MOST_ANSWERS : 1; // the steady part is fitted anew from answer to answer
+  if (last - first >= answers * each) return null;
+  const parts = [];
+  for (let at = first; at <= last; at += each) {
+    const part = await ask(at * FINEST_S, Math.min(at + each - 1, last) * FINEST_S);
+    if (part?.step_s !== FINEST_S || part.less_dwell !== answer.less_dwell) return null;
+    parts.push(part);
+  }
+  const all = (c, which) => parts.flatMap((part) => part.channels[c][which]);
+  return { ...parts[0], bins: parts.reduce((sum, { bins }) => sum + bins, 0),
+    channels: answer.channels.map(({ name, unit }, c) => ({ name, unit, min: all(c, 'min'), max: all(c, 'max') })) };
+}
+
+// In each bin there is one reading of a channel at most.
+const single = ({ step_s, channels }) => step_s === FINEST_S && channels.every(({ min, max }) => min.every((low, i) => low === max[i]));
+
+// What the rows of a file hold, in words.
+export const savedText = (answer) => (single(answer) ? `single readings, each within ${widthText(answer)} after its t`
+  : `the smallest and the largest reading of each ${widthText(answer)}`);
+
+// An answer of GET /api/v1/traces as CSV, its numbers as they came: t in seconds since `origin_utc`, where each bin begins,
+// then the smallest and the largest reading of each channel, or its reading where no bin has two. An empty cell: no
+// reading. All that is to be known stands in the heads: many readers of CSV know no comments.
 export function csvOf(answer) {
-  const less = lessText(answer);
-  const heads = answer.channels.flatMap((c) => [`${c.name} min${less} [${c.unit}]`, `${c.name} max${less} [${c.unit}]`]);
-  const lines = [['t [s]', ...heads].map(quoted).join(',')];
-  for (let i = 0; i < answer.bins; ++i)
-    lines.push([String(Number((answer.from_s + i * answer.step_s).toFixed(9))),
-      ...answer.channels.flatMap((c) => [cell(c.min[i]), cell(c.max[i])])].join(','));
+  const one = single(answer);
+  const [less, width] = [lessText(answer), widthText(answer)];
+  const heads = answer.channels.flatMap(({ name, unit }) => (one ? [`${name}${less} [${unit}]`]
+    : ['min', 'max'].map((which) => `${name} ${which} in ${width}${less} [${unit}]`)));
+  const lines = [[`t [s since ${answer.origin_utc}${one ? `; readings are up to ${width} later` : ''}]`, ...heads].map(quoted).join(',')];
+  for (let i = 0; i < answer.bins; ++i) {
+    const values = answer.channels.flatMap((c) => (one ? [c.min[i]] : [c.min[i], c.max[i]]));
+    if (answer.step_s === FINEST_S && values.every((value) => value === null)) continue; // most of them
+    lines.push([String(Number((answer.from_s + i * answer.step_s).toFixed(9))), ...values.map(cell)].join(','));
+  }
   return `${lines.join('\n')}\n`;
 }
 

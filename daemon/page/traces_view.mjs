@@ -4,7 +4,7 @@ import { h, rowHead, setAttributes, setText, show } from './dom.mjs';
 import { ageText, isNumber, plainText } from './number.mjs';
 import { whileDisabled } from './order.mjs';
 import { lastText, TracePlot } from './trace_plot.mjs';
-import { agesOf, csvName, csvOf, cursorTexts, TraceWindow } from './trace_window.mjs';
+import { agesOf, csvName, csvOf, cursorTexts, durationText, finestOf, MOST_BINS, savedText, TraceWindow } from './trace_window.mjs';
 
 const $ = (id) => document.getElementById(id);
 const SPANS = { least: 0.02, most: 2 * 3600, usual: 10 }; // s, what may be in view
@@ -16,7 +16,6 @@ const FINEST_LIVE_S = 0.02;
 // While live, more bins than the view holds: the newest reading has moved on when the question arrives. Too few to get
 // bins a quarter as wide, which the stream could not go on with; so no less than LIVE_LEAST is in view.
 const SPARE_BINS = 25;
-const MOST_BINS = 4000; // the service refuses a question for more
 const LIVE_LEAST = 0.5; // s
 const DRAG_PX = 4; // less is a click
 const ANSWER_MS = 5000; // then a question is given up …
@@ -27,7 +26,6 @@ const ORIGIN_MOVED_MS = 1000;
 
 const whyText = (error) => (error.name === 'TimeoutError' || error instanceof TypeError
   ? 'The traces in view are not complete: no answer of the service; asking again.' : error.message);
-const durationText = (s) => (s < 1 ? `${Number((1e3 * s).toPrecision(3))} ms` : `${Number(s.toPrecision(3))} s`);
 
 async function ask(query) {
   const answer = await fetch(`/api/v1/traces?${query}`, { cache: 'no-store', signal: AbortSignal.timeout(ANSWER_MS) });
@@ -275,9 +273,8 @@ export class TracesView {
     setText($('trace-trouble'), trouble);
   }
   // null: the time axis has another origin than what is in view; then it is live again.
-  async #fetch(points) {
+  async #fetch(points, { from_s, to_s } = this.#view) {
     const less = $('trace-less').checked ? '&less=steady' : '';
-    const { from_s, to_s } = this.#view;
     const stretch = this.#live ? `from=${-this.#span_s}` : `from=${from_s}&to=${Math.max(to_s, from_s)}`;
     let { answer, value } = await ask(`${stretch}&points=${points}${less}`);
     const refused = answer.ok ? null : value.error;
@@ -301,15 +298,18 @@ export class TracesView {
 
   async #save() {
     if (this.#live) this.#pause();
+    setText($('trace-saved'), '');
     await whileDisabled([$('trace-save')], () => this.#download());
   }
   async #download() {
     try {
-      const answer = await this.#fetch(4000);
-      if (!answer) return;
+      const bins = await this.#fetch(MOST_BINS);
+      if (!bins) return;
+      const answer = await finestOf(bins, (from_s, to_s) => this.#fetch(MOST_BINS, { from_s, to_s })) ?? bins;
       const link = h('a', { href: URL.createObjectURL(new Blob([csvOf(answer)], { type: 'text/csv' })), download: csvName(answer) });
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+      setText($('trace-saved'), `Saved: ${savedText(answer)}.`);
       this.#say('');
     } catch (error) {
       this.#say(`Not saved. ${whyText(error).replace('; asking again', '')}`);

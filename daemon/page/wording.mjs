@@ -148,6 +148,16 @@ export function sinceMs(dwell, events) {
   return newest?.state === dwell.state && newest.utc ? Date.parse(newest.utc) : null;
 }
 
+// Above the list of events: why it is empty, or what it leaves out; '': it has all. Of `total` events since the service
+// began the page knows the newest. Of those known some fit the filter, and of these the newest are shown.
+export function eventsText({ shown, fit, known, total }) {
+  if (known === 0) return 'No events yet.';
+  if (fit === known) return shown < total ? `The newest ${shown} of ${total} events.` : '';
+  const left = fit === 0 ? 'No event fits the filter.' : shown < fit ? `The newest ${shown} of ${fit} that fit the filter.` : '';
+  const looked = known < total ? `The filter looks at the newest ${known} of ${total} events.` : '';
+  return [left, looked].filter(Boolean).join(' ');
+}
+
 // { text, tone } of the run; null: not known. A dwell without a run, where runs are recorded, is lost: why stands below.
 export function runFact(health, dwell) {
   if (!health) return null;

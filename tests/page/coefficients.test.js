@@ -1,7 +1,7 @@
 // Numbers, or the reason in place of the number.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, legendOf } from '../../daemon/page/coefficients.mjs';
+import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, legendOf, trendLegendOf } from '../../daemon/page/coefficients.mjs';
 import { joined } from '../../daemon/page/number.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
@@ -37,6 +37,13 @@ test('the legend names the runs that the trends lack', () => {
   assert.doesNotMatch(legendOf(shown), /trends/);
   assert.match(legendOf(shown, [7]), /\. the trends lack run 7: no file of theirs could be read\.$/);
   assert.match(legendOf(shown, [7, 9]), /runs 7, 9:/);
+});
+
+test('below the numbers stands how long the trends reach back, and how high they are', () => {
+  const shown = coefficientsOf(after(dwellOf()));
+  assert.equal(trendLegendOf(shown, 1_200_000), 'A trend shows the last 20 min. Its middle is the newest measured value, its upper and lower edge that value ± the % below it. The grey band is the ± of each value.');
+  assert.equal(trendLegendOf(shown, null), '', 'nothing has been measured');
+  assert.equal(trendLegendOf(coefficientsOf(after(settlingOf())), 60_000), '', 'no number has a trend beside it');
 });
 
 test('withheld: the reason, and what stood there is struck through with its age', () => {

@@ -46,7 +46,8 @@ beforeEach(() => {
     } });
   Date.now = () => START_MS + 1e3 * now;
   told = { health: () => ({ version: '1', utc: new Date(START_MS + 1e3 * now).toISOString(), uptime_s: now, ...OLD_AFTER }),
-    channels: { channels: [] }, alarms: { alarms: [] }, events: { next: 1, events: [] }, dwells: { dwells: [], file: null }, runs: { runs: [], total: 0 } };
+    channels: { channels: [] }, alarms: { alarms: [] }, events: { total: 0, next: 1, events: [] },
+    dwells: { total: 0, dwells: [], file: null }, runs: { runs: [], total: 0 } };
 });
 afterEach(() => {
   Object.assign(globalThis, { fetch: rightFetch, setInterval: rightInterval });
@@ -75,7 +76,7 @@ const verdict = (words) => ({ model: { verdict: words, seen: null, U: null, aske
 
 test('a verdict or a doubt that comes after the end of a dwell is taken, although newer dwells have ended', async () => {
   const list = [finished(1), finished(2, verdict('not verified yet')), finished(3, verdict('not verified yet'))];
-  told.dwells = (query) => ({ dwells: list.filter((d) => d.index >= Number(query.get('from') ?? 0)), file: null });
+  told.dwells = (query) => ({ total: 3, dwells: list.filter((d) => d.index >= Number(query.get('from') ?? 0)), file: null });
   told['dwells/3'] = () => list[2];
   const feed = begin();
   source.say('dwell', dwellOf({ index: 4, state: 'idle', settled_s: null, elements: [] }));
@@ -106,7 +107,7 @@ test('a seldom question that fails or hangs keeps none of the others from being 
 });
 
 test('after a restart all events are asked for at once, although their numbers have passed those of before', async () => {
-  const events = (from, next) => ({ next, events: Array.from({ length: next - from }, (_, i) => ({ number: from + i, text: `event ${from + i}` })) });
+  const events = (from, next) => ({ total: next - 1, next, events: Array.from({ length: next - from }, (_, i) => ({ number: from + i, text: `event ${from + i}` })) });
   let next = 4;
   let began = 0;
   told.events = (query) => events(Number(query.get('from') ?? 1), next);
@@ -155,6 +156,67 @@ test('the file of an earlier run that could not be read is asked for again, a fe
   assert.deepEqual(feed.trendLacks(), [8]);
   now += 3600;
   assert.deepEqual(feed.trendLacks(), [], 'the trend begins later');
+});
+
+// What the service answers of so many dwells of 10 s: at most 100, and no more than `fits` bytes allow.
+const listOf = (count, fits = 100) => (query) => {
+  const all = Array.from({ length: count }, (_, i) => finished(i + 1));
+  const from = query.get('from');
+  const most = Math.min(Number(query.get('count')), fits);
+  const dwells = from ? all.slice(from - 1, from - 1 + most) : all.slice(-most);
+  return { total: count, next: from && dwells.at(-1).index < count ? dwells.at(-1).index + 1 : null, dwells, file: null };
+};
+const trendOf = (feed) => feed.history.of('stiffness', 1, START_MS + 1e3 * now).map((p) => (p.ms - START_MS) / 1e3);
+const endsOf = (first, last) => Array.from({ length: last - first + 1 }, (_, i) => 10 * (first + i) + 9);
+
+test('a page that is opened late asks back until its trend covers the hour; the newest dwells are kept, and how many there are', async () => {
+  now = 4510; // 449 dwells of 10 s have ended
+  told.dwells = listOf(449);
+  const feed = begin();
+  source.say('dwell', dwellOf({ index: 450, state: 'idle', settled_s: null, elements: [] }));
+  await settle();
+  assert.deepEqual(askedOf('dwells').map((path) => path.split('from=')[1]), [undefined, '250', '150', '50']);
+  assert.deepEqual(trendOf(feed), endsOf(91, 449));
+  assert.deepEqual([feed.dwells.length, feed.dwells[0].index, feed.dwells.at(-1).index, feed.dwellsTotal], [300, 150, 449, 449]);
+});
+
+test('where an answer holds fewer dwells than were asked for, none is left out of the trend', async () => {
+  now = 1510;
+  told.dwells = listOf(149, 30);
+  const feed = begin();
+  await settle();
+  assert.deepEqual(trendOf(feed), endsOf(1, 149));
+});
+
+test('a question further back that failed is asked again where it was', async () => {
+  now = 3510;
+  told.dwells = (query) => (query.get('from') === '150' ? new Error('timeout') : listOf(349)(query));
+  const feed = begin();
+  await settle();
+  assert.deepEqual(trendOf(feed), endsOf(250, 349));
+  told.dwells = listOf(349);
+  await pass(11);
+  assert.deepEqual(trendOf(feed), endsOf(1, 349));
+});
+
+test('it asks back seven times at most: the trend has no room for more dwells', async () => {
+  now = 10 * 1000;
+  told.dwells = (query) => {
+    const answer = listOf(999)(query);
+    return { ...answer, dwells: answer.dwells.map((d) => ({ ...d, end_s: 9999 - (1000 - d.index), settled_s: 9998 - (1000 - d.index) })) };
+  };
+  begin();
+  await settle();
+  assert.equal(askedOf('dwells').length, 8);
+});
+
+test('of a run of this hour that has ended, all dwells of the hour are in the trend', async () => {
+  now = 2600;
+  told.runs = { runs: [{ run: 7, ended: new Date(START_MS + 2.5e6).toISOString(), dwells_at: '/api/v1/runs/7/dwells' }], total: 1 };
+  told['runs/7/dwells'] = listOf(249);
+  const feed = begin();
+  await settle();
+  assert.deepEqual(trendOf(feed), endsOf(1, 249));
 });
 
 test('a file may take a minute to be read', async (t) => {

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
-import { deviationOf, History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
+import { deviationOf, History, HOUR_MS, ROOM, trendPaths, trendTexts } from '../../daemon/page/history.mjs';
 import { phasorRows, placeLabels, polarOf, scalesText, shortened, shortNames } from '../../daemon/page/polar.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, settlingOf, toldFreshness } from './sample.js';
@@ -121,17 +121,39 @@ test('a dwell before that has no such number is not passed over in silence', () 
 
 test('a trend is drawn within its box, dwells apart', () => {
   const points = [{ ms: at - HOUR_MS / 4, from: at - HOUR_MS / 2, value: 10, U95: 1, key: 'a' }, { ms: at, from: at - 1, value: 12, U95: 1, key: 'b' }];
-  const { line, band } = trendPaths(points, at, 100, 32);
+  const { line, band } = trendPaths(points, at, HOUR_MS / 2, 100, 32);
   assert.equal(line.match(/M/g).length, 2);
   assert.match(line, /^M0\.0 31\.0L50\.0 31\.0M97\.0 16\.0L100\.0 16\.0$/, 'half an hour fills the width');
   for (const [, y] of band.matchAll(/ (-?[\d.]+)/g)) assert.ok(y >= 0 && y <= 32, y);
-  assert.equal(trendPaths([], at, 100, 32), null);
-  assert.doesNotMatch(trendPaths([{ ms: at, from: at, value: 0, U95: 0, key: 'a' }], at, 100, 32).line, /NaN/);
+  assert.equal(trendPaths([], at, HOUR_MS, 100, 32), null);
+  assert.doesNotMatch(trendPaths([{ ms: at, from: at, value: 0, U95: 0, key: 'a' }], at, HOUR_MS, 100, 32).line, /NaN/);
+});
+
+test('all trends show the same time: since the first dwell that is known, a minute at least, an hour at most', () => {
+  const history = new History();
+  assert.equal(history.reachMs(at), null);
+  const settled = utcMs(dwellOf(), dwellOf().settled_s);
+  history.takeEnded(dwellOf({ index: 2 }), settled + 10_000);
+  assert.equal(history.reachMs(settled + 20_000), 60_000);
+  assert.equal(history.reachMs(settled + 720_000), 720_000);
+  assert.equal(history.reachMs(settled + HOUR_MS + 5000), HOUR_MS);
+  assert.equal(history.reachMs(settled + HOUR_MS + 10_000), null, 'it is older than an hour');
+});
+
+test('a trend says how high it is, and what its line does for those who do not see it', () => {
+  const points = [9.95, 10.02, 10].map((value, i) => ({ ms: at - 1e3 * (2 - i), from: at - 4000, value, U95: 0.01, key: 'a' }));
+  const { half } = trendPaths(points, at, 60_000, 100, 32);
+  assert.ok(Math.abs(half - 0.05) < 1e-12, 'an older value was further away than twice U95');
+  assert.deepEqual(trendTexts(points, 720_000, half), { height: '± 0.5 %',
+    spoken: 'Trend of the last 720 s: from the newest value \u22120.5 % to +0.2 %, height ± 0.5 %' });
+  const one = points.slice(2);
+  assert.equal(trendTexts(one, HOUR_MS, trendPaths(one, at, HOUR_MS, 100, 32).half).height, '± 0.2 %', 'twice U95');
+  assert.deepEqual(trendTexts([{ ...points[0], value: 0 }], HOUR_MS, 1), { height: '', spoken: 'Trend of the last 60 min' });
 });
 
 test('the points of a dwell around an outage are not joined', () => {
   const point = (s, value) => ({ ms: at - 1e3 * s, from: at - 240_000, value, U95: 1, key: 'a' });
-  const { line } = trendPaths([point(220, 10), point(210, 10), point(20, 12), point(10, 12), point(0, 12)], at, 100, 32);
+  const { line } = trendPaths([point(220, 10), point(210, 10), point(20, 12), point(10, 12), point(0, 12)], at, 240_000, 100, 32);
   const pieces = line.split('M').slice(1).map((piece) => piece.split('L').map((xy) => Number(xy.split(' ')[0])));
   assert.equal(pieces.length, 2);
   assert.equal(pieces[0][0], 0, 'the first point of the dwell holds from the beginning of its data');
@@ -140,7 +162,7 @@ test('the points of a dwell around an outage are not joined', () => {
 
 test('the wide band at a dwell\'s beginning does not flatten the hour', () => {
   const points = [{ ms: at - 3000, from: at - 4000, value: 10.1, U95: 5, key: 'a' }, { ms: at, from: at - 4000, value: 10, U95: 0.1, key: 'a' }];
-  const { line, band } = trendPaths(points, at, 100, 32);
+  const { line, band } = trendPaths(points, at, 60_000, 100, 32);
   assert.match(line, / 8\.5L100\.0 16\.0$/, 'one U of the newest is a quarter of the height');
   for (const [, y] of band.matchAll(/ (-?[\d.]+)/g)) assert.ok(y >= 1 && y <= 31, y);
 });

@@ -61,6 +61,16 @@ test('a doubt that is told after the end of a dwell marks its row', async () => 
   await page.close();
 });
 
+test('a table of dwells and a list of events say how many they leave out', async () => {
+  const page = await open();
+  await page.locator('#events-none', { hasText: /^The newest 100 of 500 events\.$/ }).waitFor();
+  assert.equal(await page.locator('#dwells-none').innerText(), '');
+  await page.route(/\/api\/v1\/dwells\?/, async (route) => route.fulfill({ json: { ...await (await route.fetch()).json(), total: 40 } }));
+  await service.play(12);
+  await page.locator('#dwells-none', { hasText: /^The newest 12 of 40 dwells of this run\.$/ }).waitFor();
+  await page.close();
+});
+
 test('lists that the service no longer tells of are marked as old, with their age', async () => {
   const page = await open();
   await page.waitForSelector('#event-rows li');

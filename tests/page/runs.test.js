@@ -1,7 +1,7 @@
 // What the page says of recorded runs.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { auditOf, earlierRuns, fromRun, noDwellsText, olderRunsText, runOf } from '../../daemon/page/runs.mjs';
+import { auditOf, earlierRuns, fromRun, noDwellsText, olderDwellsText, olderRunsText, runOf } from '../../daemon/page/runs.mjs';
 
 const audit = (state, more = {}) => ({ audit: { state, where: null, until_s: null, trusted: true, utc: null, reason: null, ...more } });
 const said = (run) => Object.values(auditOf(run)).join(': ');
@@ -65,4 +65,10 @@ test('runs that are not in the table are told of', () => {
   assert.equal(olderRunsText(20, 20), '');
   assert.equal(olderRunsText(0, 0), '');
   assert.match(olderRunsText(20, 57), /^The newest 20 of 57 runs\. /);
+});
+
+test('dwells of the newest run that are not in the table are told of', () => {
+  assert.equal(olderDwellsText(12, 12), '');
+  assert.equal(olderDwellsText(300, 0), '', 'a new run has begun');
+  assert.equal(olderDwellsText(300, 412), 'The newest 300 of 412 dwells of this run.');
 });

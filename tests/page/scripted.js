@@ -81,9 +81,9 @@ export class ScriptedService {
     return service;
   }
 
-  // Opens the page, which waits for play().
-  async open(browser, viewport) {
-    const page = await browser.newPage({ viewport });
+  // Opens the page, which waits for play(). options: more of the browser's newPage().
+  async open(browser, viewport, options = {}) {
+    const page = await browser.newPage({ viewport, ...options });
     await page.addInitScript(inBrowser, [BEGINS_MS, 1e3 * STEP_S]);
     await page.goto(this.url);
     while (!this.#stream) await once(this.#server, 'request');
@@ -137,7 +137,7 @@ export class ScriptedService {
       case 'alarms': return { alarms: [], unacknowledged: 0, left_out: 0 };
       case 'rights': return { read: true, change: false, token: false };
       case 'events': return this.#events(from);
-      case 'dwells': return { dwells: this.#dwells(from), file: null };
+      case 'dwells': return { total: DWELLS, next: null, dwells: this.#dwells(from), file: null };
       case 'traces': return { ...this.#traces(), origin_utc: this.#utc(0), from_s: Math.max(0, this.#s - STEP_S), newest_s: this.#s, less_dwell: null };
       default: return { runs: [], total: 0 };
     }
@@ -181,7 +181,7 @@ export class ScriptedService {
   #events(from) {
     const next = EVENTS + 1 + Math.floor(this.#s / EVENT_S);
     const first = Math.max(from, next - EVENTS);
-    return { next, events: Array.from({ length: next - first }, (_, i) => ({ number: first + i, utc: this.#utc((first + i - EVENTS) * EVENT_S), level: 'info', state: null,
+    return { total: next - 1, next, events: Array.from({ length: next - first }, (_, i) => ({ number: first + i, utc: this.#utc((first + i - EVENTS) * EVENT_S), level: 'info', state: null,
       text: `sample clock of amplifier: ${first + i} readings late` })) };
   }
   #traces() {

@@ -1,7 +1,7 @@
 // What the page keeps of the traces, and what it saves of them; without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { agesOf, csvName, csvOf, cursorTexts, TraceWindow } from '../../daemon/page/trace_window.mjs';
+import { agesOf, csvName, csvOf, cursorTexts, finestOf, savedText, TraceWindow } from '../../daemon/page/trace_window.mjs';
 
 const channel = (min, max, breaks = []) => ({ name: 'y0', unit: 'mm', min, max, breaks });
 const answerOf = (changes = {}) => ({ origin_utc: '2026-11-23T07:00:00.000000Z', step_s: 0.02, from_s: 2, bins: 3, less_dwell: null, channels: [channel([1, null, 3], [2, null, 4], [2])], ...changes });
@@ -83,15 +83,63 @@ test('cursors read value and difference with their ± and unit, the digits as ±
   assert.deepEqual(cursorTexts(null, b, 'mm'), { A: '—', B: '7.250 ± 0.050 mm', difference: '—' });
 });
 
-test('CSV holds the numbers as the service gave them', () => {
-  const text = csvOf(answerOf({ channels: [channel([0.1, null, -3e-7], [0.2, null, 4])] }));
-  assert.equal(text, 't [s],y0 min [mm],y0 max [mm]\n2,0.1,0.2\n2.02,,\n2.04,-3e-7,4\n');
+test('CSV holds the numbers as the service gave them, and its heads say what they are and since when t counts', () => {
+  const answer = answerOf({ origin_utc: '2026-11-23T07:00:00.123456Z', channels: [channel([0.1, null, -3e-7], [0.2, null, 4])] });
+  assert.equal(csvOf(answer), 't [s since 2026-11-23T07:00:00.123456Z],y0 min in 20 ms [mm],y0 max in 20 ms [mm]\n2,0.1,0.2\n2.02,,\n2.04,-3e-7,4\n');
+  assert.equal(savedText(answer), 'the smallest and the largest reading of each 20 ms');
+});
+
+const FINEST_S = 0.02 / 64;
+// A service that has a reading of y0 in every third of the narrowest bins, and one of y1 in the first; its numbers are those of the bins.
+const serviceOf = (changes = () => ({})) => {
+  const asked = [];
+  const ask = async (from_s, to_s) => {
+    asked.push([from_s, to_s]);
+    const first = Math.round(from_s / FINEST_S);
+    const bins = Math.round(to_s / FINEST_S) - first + 1;
+    const list = (of) => Array.from({ length: bins }, (_, i) => of(first + i));
+    const channels = [list((n) => (n % 3 === 0 ? n : null)), list((n) => (n === 6400 ? n : null))].map((values, c) => ({ name: `y${c}`, unit: 'mm', min: values, max: values, breaks: [] }));
+    return { ...answerOf(), step_s: FINEST_S, from_s, bins, channels, ...changes(asked.length, channels) };
+  };
+  return { ask, asked };
+};
+const two = [channel([1], [2]), { ...channel([1], [2]), name: 'y1' }];
+const inView = (from_s, to_s, changes) => answerOf({ from_s, bins: Math.round((to_s - from_s) / 0.02), newest_s: to_s, channels: two, ...changes });
+
+test('a file of single readings has a row for each instant with a reading, from as many answers as that takes', async () => {
+  const { ask, asked } = serviceOf();
+  const readings = await finestOf(inView(2, 5), ask);
+  assert.deepEqual(asked, [[2, 10399 * FINEST_S], [10400 * FINEST_S, 14399 * FINEST_S], [14400 * FINEST_S, 5]]);
+  const [head, ...rows] = csvOf(readings).trimEnd().split('\n');
+  assert.equal(head, 't [s since 2026-11-23T07:00:00.000000Z; readings are up to 0.3125 ms later],y0 [mm],y1 [mm]');
+  const wanted = [[2, '', 6400], ...Array.from({ length: 3200 }, (_, i) => [(6402 + 3 * i) * FINEST_S, 6402 + 3 * i, ''])];
+  assert.deepEqual(rows, wanted.map(([t, ...cells]) => [Number(t.toFixed(9)), ...cells].join(',')));
+  assert.equal(savedText(readings), 'single readings, each within 0.3125 ms after its t');
+});
+
+test('where the view is too long, or readings are no longer kept, there are no single ones', async () => {
+  const none = async (view, changes) => assert.equal(await finestOf(view, serviceOf(changes).ask), null);
+  await none(inView(0, 20.1));
+  await none(inView(0, 1.3, { less_dwell: 3 }), () => ({ less_dwell: 3 }));
+  await none(inView(0, 5.1, { channels: Array(64).fill(two[0]) }));
+  await none(inView(2, 5), () => ({ step_s: 0.02 }));
+  assert.equal(await finestOf(inView(2, 5), async () => null), null, 'the service was started again meanwhile');
+  assert.notEqual(await finestOf(inView(0, 20 - 0.02), serviceOf().ask), null);
+  assert.notEqual(await finestOf(inView(0, 1.22, { less_dwell: 3 }), serviceOf(() => ({ less_dwell: 3 })).ask), null);
+});
+
+test('where two readings are in one of the narrowest bins, the file has the smaller and the larger one', async () => {
+  const twice = ([y0, y1]) => [{ ...y0, max: y0.max.map((value, i) => (i === 4 ? value + 1 : value)) }, y1];
+  const finest = await finestOf(inView(2.0004, 2.0024, { bins: 1, step_s: 0.002 }), serviceOf((n, channels) => ({ channels: twice(channels) })).ask);
+  assert.equal(csvOf(finest), 't [s since 2026-11-23T07:00:00.000000Z],y0 min in 0.3125 ms [mm],y0 max in 0.3125 ms [mm],y1 min in 0.3125 ms [mm],y1 max in 0.3125 ms [mm]\n' +
+    '2.000625,6402,6402,,\n2.0015625,6405,6406,,\n');
+  assert.equal(savedText(finest), 'the smallest and the largest reading of each 0.3125 ms');
 });
 
 test('CSV of readings less the steady part says so in every head and in its name, with the data it was fitted to', () => {
   const answer = answerOf({ less_dwell: 3, less_from_s: 1.5 });
   assert.equal(csvOf(answer).split('\n')[0],
-    't [s],y0 min less steady part of dwell 3 fitted from 1.5 s [mm],y0 max less steady part of dwell 3 fitted from 1.5 s [mm]');
+    't [s since 2026-11-23T07:00:00.000000Z],y0 min in 20 ms less steady part of dwell 3 fitted from 1.5 s [mm],y0 max in 20 ms less steady part of dwell 3 fitted from 1.5 s [mm]');
   // The stretch answered may begin later than the one in view: the name is that of the first bin.
   assert.equal(csvName(answer), 'traces-less-steady-part-of-dwell-3-20261123T070002Z.csv');
   assert.equal(csvName(answerOf()), 'traces-20261123T070002Z.csv');

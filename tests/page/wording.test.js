@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frequencyText, isWell, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { eventsText, frequencyText, isWell, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -216,4 +216,16 @@ test('a recording that is played does not pass for a rig, and its end for a faul
 test('an overdue calibration stands in the head in the tone of care', () => {
   const health = { status: 'ok', log: {}, troubles: [{ kind: 'calibration', channel: 'y1', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31', degrades: false }] };
   assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31' }]);
+});
+
+test('a list of events says what it leaves out, and how far its filter looks', () => {
+  const text = (shown, fit, known, total) => eventsText({ shown, fit, known, total });
+  assert.equal(text(0, 0, 0, 0), 'No events yet.');
+  assert.equal(text(80, 80, 80, 80), '');
+  assert.equal(text(100, 200, 200, 1234), 'The newest 100 of 1234 events.');
+  assert.equal(text(7, 7, 80, 80), '');
+  assert.equal(text(0, 0, 80, 80), 'No event fits the filter.');
+  assert.equal(text(100, 130, 200, 200), 'The newest 100 of 130 that fit the filter.');
+  assert.equal(text(7, 7, 200, 1234), 'The filter looks at the newest 200 of 1234 events.');
+  assert.equal(text(100, 130, 200, 1234), 'The newest 100 of 130 that fit the filter. The filter looks at the newest 200 of 1234 events.');
 });
