@@ -11,7 +11,7 @@ import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
 
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
-export const BIN = join(ROOT, process.env.DWELL_BUILD ?? 'build', 'bin');
+const BIN = join(ROOT, process.env.DWELL_BUILD ?? 'build', 'bin');
 const CHROMIUM = process.env.DWELL_CHROMIUM ?? '/usr/bin/chromium';
 // For something to come that must come; what is slow on a loaded machine is late, not wrong.
 export const PATIENCE_MS = 20_000;

@@ -1,15 +1,12 @@
 // A run's report, as a browser shows and prints it: recorded by the service, made by dwellctl.
 import assert from 'node:assert/strict';
-import { execFile } from 'node:child_process';
 import { readdir, readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { promisify } from 'node:util';
 import { check } from './accessible.js';
-import { Bench, BIN, openBrowser, until } from './bench.js';
+import { Bench, dwellctl, openBrowser, until } from './bench.js';
 
-const run = promisify(execFile);
 let browser, bench, file, page;
 const asked = [], complaints = [];
 
@@ -21,7 +18,7 @@ before(async () => {
   await bench.service.end(); // the run is closed
   const runs = join(bench.folder, 'runs');
   file = join(runs, (await readdir(runs)).find((name) => name.endsWith('.dwell')));
-  await run(join(BIN, 'dwellctl'), ['report', file, '-o', join(bench.folder, 'report.html')]);
+  await dwellctl('report', file, '-o', join(bench.folder, 'report.html'));
   page = await browser.newPage({ viewport: { width: 1280, height: 900 }, bypassCSP: true });
   page.on('request', (request) => asked.push(request.url()));
   page.on('pageerror', (error) => complaints.push(String(error)));
@@ -41,7 +38,7 @@ test('it is one file that asks for nothing else and complains of nothing', async
 
 test('it shows rig, channels, traces, phasors, coefficients with their budget, events and hashes', async () => {
   const text = await page.locator('body').innerText();
-  const audited = JSON.parse((await run(join(BIN, 'dwellctl'), ['audit', file, '--json'])).stdout);
+  const audited = JSON.parse(await dwellctl('audit', file, '--json'));
   for (const words of [/clamped bench, three masses/, /y1/, /reaction/, /idle -> settling/, /not signed|signatures/i]) assert.match(text, words);
   assert.match(audited.files[0].head, /^[0-9a-f]{64}$/);
   assert.ok(text.includes(audited.files[0].head), 'the head that the audit verifies');
