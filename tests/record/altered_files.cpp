@@ -135,9 +135,9 @@ std::uint64_t sample_count(const SampleFile& run) {
   return static_cast<std::uint64_t>(run.blocks) * static_cast<std::uint64_t>(run.records - run.records / 10);
 }
 
-std::vector<std::string> rows_of(const std::string& path) {
+std::vector<std::string> rows_of(const std::string& path, ChainSort sort) {
   std::vector<std::string> rows;
-  Result<ChainReader> reader = ChainReader::open(path, ChainSort::run);
+  Result<ChainReader> reader = ChainReader::open(path, sort);
   if (!reader) return {"unreadable"};
   for (;;) {
     const auto row = reader->next();

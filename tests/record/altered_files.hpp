@@ -47,7 +47,7 @@ std::string write_sample(const std::string& path, SampleFile run, const SigningK
 [[nodiscard]] std::uint64_t sample_count(const SampleFile& run);  // samples in it
 
 // What a reader sees: each row as one text. One text "unreadable" where it fails.
-[[nodiscard]] std::vector<std::string> rows_of(const std::string& path);
+[[nodiscard]] std::vector<std::string> rows_of(const std::string& path, ChainSort sort = ChainSort::run);
 
 // The files of a directory with their bytes, and back.
 using Files = std::map<std::string, std::string>;

@@ -358,21 +358,6 @@ TEST(Mutation, NoneIsMissedWhereTheLedgerKnowsTheRunNotEvenACutTail) {
   EXPECT_GT(cut, done / 60) << "cut tails were among them";
 }
 
-// Rows of a ledger as rows_of() tells those of a run.
-std::vector<std::string> ledger_rows(const std::string& path) {
-  auto reader = ChainReader::open(path, ChainSort::ledger);
-  if (!reader) return {"unreadable"};
-  std::vector<std::string> rows;
-  for (;;) {
-    const auto row = reader->next();
-    if (!row) return {"unreadable"};
-    if (!*row) return rows;
-    const Entry& entry = (*row)->entry;
-    rows.push_back(std::to_string(entry.seq) + " " + entry.kind + " " + std::to_string(entry.t_ns) + " " +
-                   hex((*row)->head) + " " + (*row)->note + " " + entry.body);
-  }
-}
-
 // One of the ways to alter a ledger, in words; nullopt: there is nothing of the kind.
 std::optional<std::string> alter_ledger(const Scratch& scratch, const Files& files, std::size_t entries,
                                         std::mt19937& random) {
@@ -431,7 +416,7 @@ TEST(Mutation, NoneOfALedgerIsMissedAndWhatItTellsOfRunsStaysTrue) {
   originals.push_back(files_in(scratch));
   ASSERT_TRUE(originals[0].contains("ledger.dwell-ledger-wal"));
   ASSERT_FALSE(originals[1].contains("ledger.dwell-ledger-wal"));
-  const std::vector<std::string> rows = ledger_rows(path);
+  const std::vector<std::string> rows = rows_of(path, ChainSort::ledger);
   AuditOptions options = pinned(sample_key());
   options.anchors = {elsewhere.path("anchors")};
   for (const Files& files : originals) {
@@ -459,7 +444,7 @@ TEST(Mutation, NoneOfALedgerIsMissedAndWhatItTellsOfRunsStaysTrue) {
       continue;
     }
     ++unchanged;
-    const std::vector<std::string> left = ledger_rows(path);
+    const std::vector<std::string> left = rows_of(path, ChainSort::ledger);
     EXPECT_TRUE(left == rows) << "missed: " << *mutation << ": " << left.size() << " of " << rows.size() << " rows";
     ASSERT_TRUE(run) << run.error();
     EXPECT_EQ(run->state, AuditState::intact) << *mutation << ": " << run->where;

@@ -206,7 +206,6 @@ TEST_F(RunLogTest, AChangeOfStateStandsAtItsRecordWithTheInstantOfThat) {
   EXPECT_EQ(std::pair(events[1].position, events[1].utc), later);
 }
 
-// Else the events of a run tell of fewer faults than its stream, by those of the 10 s before the drive.
 TEST_F(RunLogTest, ChannelStatesBeyondAThousandInABlockAreOneEventWithTheirNumber) {
   stream.starts();
   for (int i = 0; i < 1017; ++i)
@@ -223,6 +222,7 @@ TEST_F(RunLogTest, ChannelStatesBeyondAThousandInABlockAreOneEventWithTheirNumbe
   EXPECT_EQ(events.back().position, last - 16) << "of the first that is not told by itself";
 }
 
+// Else the events of a run tell of fewer faults than its stream, by those of the 10 s before the drive.
 TEST_F(RunLogTest, FaultsBeforeTheDriveThatAreInTheRunAreEventsOfItToo) {
   stream.armed();
   stream.play(1.0);
