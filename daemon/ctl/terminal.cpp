@@ -59,6 +59,8 @@ std::string_view looks(Style style, bool colour) {
       return "\x1b[1m";
     case Style::old:
       return colour ? "\x1b[90;9m" : "\x1b[2;9m";
+    case Style::past:
+      return colour ? "\x1b[90m" : "\x1b[2m";
     case Style::tentative:
       return "\x1b[2m";
     case Style::doubted:

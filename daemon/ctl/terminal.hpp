@@ -21,8 +21,8 @@ enum class Key : std::uint8_t { pause, next, back, rearm, quit, yes, other };
 [[nodiscard]] std::vector<Key> keys_in(std::string_view typed);
 
 // The bytes that put the lines onto the screen, from its upper left corner on, and clear what stood there. colour
-// false: no colour is used (NO_COLOR); faint, bold, inverse and struck are none. Old numbers are struck and grey, or
-// faint. What is normal has no colour in either case.
+// false: no colour is used (NO_COLOR); faint, bold, inverse and struck are none. Old numbers are grey, or
+// faint, and struck; a result is not struck. What is normal has no colour in either case.
 [[nodiscard]] std::string frame(const std::vector<TextLine>& lines, bool colour);
 
 class Terminal {

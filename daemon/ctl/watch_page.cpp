@@ -30,6 +30,11 @@ std::string spread(const std::string& left, const std::string& right, std::size_
 // Whether the numbers are of now: renewed, and of a dwell that goes on.
 bool current(const WatchState& state, double now_s) { return !state.old(now_s) && !state.ended(); }
 
+// Of numbers, and of what is said beside them.
+Style style_of(const WatchState& state, double now_s) {
+  return state.old(now_s) ? Style::old : state.ended() ? Style::past : Style::plain;
+}
+
 // How old the numbers are. Those of a dwell that has ended are as old as its end: the service goes on telling them.
 std::string age_of(const WatchState& state, double now_s) {
   const double ended_s = state.ended_ago_s(now_s);
@@ -212,7 +217,7 @@ void put_changes(std::vector<Section>& sections, const WatchState& state, std::s
   }
   if (changes.body.empty()) return;
   if (!current(state, now_s))
-    for (TextLine& line : changes.body) line.style = Style::old;
+    for (TextLine& line : changes.body) line.style = style_of(state, now_s);
   sections.insert(behind(sections, kCoefficients), std::move(changes));
 }
 
@@ -299,14 +304,14 @@ std::string said(const WatchState& state, double now_s) {
 TextLine state_line(const WatchState& state, const Places& places, double now_s) {
   if (!state.dwell()) return {"waiting for the service's first word", Style::plain};
   const Dwell& dwell = state.dwell()->dwell;
-  const bool old = state.old(now_s);
   const std::string text = said(state, now_s) + verdict_of(state) +
                            count_of(dwell.doubts.size(), "doubt", 0, places.pages) +
                            count_of(warnings_in(*state.dwell()), "warning", places.warnings, places.pages);
-  const Style style = old                     ? Style::old
-                      : !dwell.doubts.empty() ? Style::alarm
-                      : state.ended()         ? Style::old
-                                              : Style::plain;
+  // That a recording has ended is so, whatever it was of.
+  const bool told = state.played() == Played::to_its_end && state.trouble.empty();
+  const Style style = told                                         ? Style::plain
+                      : !dwell.doubts.empty() && !state.old(now_s) ? Style::alarm
+                                                                   : style_of(state, now_s);
   return {text, style};
 }
 
@@ -318,7 +323,7 @@ std::vector<TextLine> header_of(const WatchState& state, const Controls& control
   const TextLine line = state_line(state, places, now_s);
   add(header, line.text, columns, line.style);
   if (const std::string facts = state.dwell() ? facts_of(state, now_s) : ""; !facts.empty())
-    add(header, facts, columns, current(state, now_s) ? Style::plain : Style::old);
+    add(header, facts, columns, style_of(state, now_s));
   for (TextLine& alarm : alarms(state, controls, where_of(places.alarms, places.pages), columns, now_s))
     header.push_back(std::move(alarm));
   return header;

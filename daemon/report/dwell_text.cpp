@@ -149,7 +149,7 @@ std::vector<Section> element_sections(const DwellView& view, const TextOptions& 
   std::vector<Style> styles;
   for (const ElementEstimate& e : elements) {
     numbers.push_back(std::to_string(e.k));
-    styles.push_back(!options.age.empty()                    ? Style::old
+    styles.push_back(!options.age.empty()                    ? aged(options)
                      : e.identifiable && doubted(dwell, e.k) ? Style::doubted
                                                              : Style::plain);
   }
@@ -219,7 +219,7 @@ Section verdict_section(const DwellView& view, const TextOptions& options) {
   if (const std::string text = agreement_text(view); settled(d) && !text.empty() && !contradicts(view))
     texts.push_back("agreement  " + text);
   if (view.model) texts.push_back("model      " + model_text(*view.model));
-  return paragraphs(texts, options.columns, 11, options.age.empty() ? Style::plain : Style::old);
+  return paragraphs(texts, options.columns, 11, options.age.empty() ? Style::plain : aged(options));
 }
 
 // Phases are relative to the first channel that has one, which the column's title names.
@@ -254,7 +254,7 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
     means.push_back(p.valid ? mean_text(p, label.unit) : none);
     harmonics.push_back(p.valid ? largest_harmonic(p) : kNoNumber);
     ages.push_back(!note.age.empty() ? note.age : options.age);
-    styles.push_back(ages.back().empty() ? Style::plain : Style::old);
+    styles.push_back(ages.back().empty() ? Style::plain : note.age.empty() ? aged(options) : Style::old);
     std::string text = p.valid ? "" : p.reason.empty() ? "no reason stated" : p.reason;
     // The channel's own word on why it delivers nothing says more.
     if (!note.status.empty() && text.rfind("stale", 0) == 0) text.clear();

@@ -30,11 +30,16 @@ struct TextOptions {
   std::size_t columns = kUnlimited;  // no line is longer than that, as far as tables can be broken
   const Truth* truth = nullptr;      // shown beside the measured, with the deviation in standard uncertainties
   std::string age;      // "778 s": the whole dwell is so old; its numbers are marked with it. Empty: it is not
-  bool result = false;  // the dwell has ended: with an age its numbers are old, its verdicts hold
+  bool result = false;  // the dwell has ended: with an age its numbers are a result, its verdicts hold
   std::vector<ChannelNote> channels;  // one per channel, or none
   bool frequency = true;              // false: it stands elsewhere, see frequency_text()
   bool legend = true;                 // false: it stands elsewhere, see legend_of()
 };
+
+// Of numbers that have an age.
+[[nodiscard]] inline Style aged(const TextOptions& options) noexcept {
+  return options.result ? Style::past : Style::old;
+}
 
 // Marks that stand behind the text of a coefficient: " n.s." not significant, " ?" not to be relied on.
 [[nodiscard]] std::string marks(const Dwell& dwell, const ElementEstimate& element, const Coefficient& coefficient);

@@ -17,6 +17,7 @@ enum class Style : std::uint8_t {
   plain,
   title,      // of a table
   old,        // numbers that are no longer renewed
+  past,       // numbers of a dwell that has ended: a result
   tentative,  // numbers that are no verdict
   doubted,    // numbers that must not be relied on
   alarm,      // what an operator must see first

@@ -21,7 +21,7 @@ std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options)
   std::vector<TextLine> lines;
   const std::string text = "from the transient, " + stretch_text(m) + ", an estimate before the verdict:";
   for (std::string& line : wrapped(text, options.columns, 2))
-    lines.push_back({std::move(line), options.age.empty() ? Style::tentative : Style::old});
+    lines.push_back({std::move(line), options.age.empty() ? Style::tentative : aged(options)});
   return lines;
 }
 
@@ -71,7 +71,7 @@ std::vector<Section> transient_sections(const DwellView& view, const TextOptions
   table.add("damping", coefficient_cells(m.elements, &ElementEstimate::damping, damping_unit(view.motion)));
   if (truth != nullptr)
     add_truth(table, m.elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
-  table.set_styles(std::vector<Style>(numbers.size(), options.age.empty() ? Style::tentative : Style::old));
+  table.set_styles(std::vector<Style>(numbers.size(), options.age.empty() ? Style::tentative : aged(options)));
   std::vector<Section> sections = table.sections(options.columns);
   if (sections.empty()) return sections;
   std::vector<TextLine> head = title(m, options);

@@ -203,7 +203,7 @@ element 2 is not identifiable: y2 is stuck
       << text;
   for (const TextLine& line : page.lines) {
     if (line.text.find("kN/m") != std::string::npos) {
-      EXPECT_EQ(line.style, Style::old) << line.text;
+      EXPECT_EQ(line.style, Style::past) << line.text;
     }
   }
   state.take(test::chain(2), 102.0);

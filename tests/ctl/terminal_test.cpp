@@ -40,6 +40,9 @@ bool has_colour(const std::string& bytes) {
 TEST(Terminal, WhatIsNormalHasNoColour) {
   EXPECT_TRUE(has_colour(frame({{"24 kN/m", Style::old}}, true)));
   EXPECT_TRUE(has_colour(frame({{"no", Style::alarm}}, true)));
+  // A result holds: it is grey, and nothing strikes it.
+  EXPECT_NE(frame({{"24 kN/m", Style::past}}, true).find("\x1b[90m24"), std::string::npos);
+  EXPECT_NE(frame({{"24 kN/m", Style::past}}, false).find("\x1b[2m24"), std::string::npos);
   for (const DwellView& view : {test::chain(3), test::settling_view()}) {
     const Page page = test::at(test::watched(view), {}, {40, 120});
     EXPECT_FALSE(has_colour(frame(page.lines, true))) << test::text_of(page);

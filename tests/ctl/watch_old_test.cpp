@@ -192,7 +192,7 @@ TEST(WatchOld, ARunThatWasStoppedLeavesAResultWithTheTimeSinceItsEnd) {
   const Page page = at(state, {}, {40, 120});
   EXPECT_EQ(page.lines[0].text.substr(page.lines[0].text.find("age")), "age 56 s · 14:03:22");
   EXPECT_EQ(page.lines[1].text, "dwell 1 · complete, ended by: end, 24.6 s of data");
-  EXPECT_EQ(page.lines[1].style, Style::old);
+  EXPECT_EQ(page.lines[1].style, Style::past);
   EXPECT_EQ(page.lines[3].text,
             "NOT OF NOW, ended 56 s ago: the run was stopped: the next one begins with \"dwellctl start\"");
   EXPECT_EQ(text_of(page).find("OLD NUMBERS"), std::string::npos) << text_of(page);
@@ -200,7 +200,7 @@ TEST(WatchOld, ARunThatWasStoppedLeavesAResultWithTheTimeSinceItsEnd) {
   for (const TextLine& line : page.lines) {
     if (line.text.find("± 0") == std::string::npos) continue;
     ++numbers;
-    EXPECT_EQ(line.style, Style::old) << line.text;
+    EXPECT_EQ(line.style, Style::past) << line.text;
   }
   EXPECT_GE(numbers, 2);
   EXPECT_NE(text_of(page).find("      1  56 s  24.011 ± 0.027 kN/m"), std::string::npos) << text_of(page);

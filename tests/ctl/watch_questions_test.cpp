@@ -145,6 +145,7 @@ TEST_F(WatchQuestions, ARecordingIsNotTakenForALiveRig) {
   state.take(make_view(fault, test::sample_rig(), test::sample_run()), now_s);
   const Page page = test::at(state, {}, {40, 120}, now_s + 10.0);
   EXPECT_EQ(page.lines[1].text, "recording ended");
+  EXPECT_EQ(page.lines[1].style, Style::plain) << "that is so now";
   EXPECT_NE(test::text_of(page).find("NOT OF NOW: the recording has been played to its end"), std::string::npos);
   for (const TextLine& line : page.lines) EXPECT_NE(line.style, Style::alarm) << line.text;
 }
