@@ -14,7 +14,7 @@ const ROOT = fileURLToPath(new URL('../../', import.meta.url));
 const BIN = join(ROOT, process.env.DWELL_BUILD ?? 'build', 'bin');
 const CHROMIUM = process.env.DWELL_CHROMIUM ?? '/usr/bin/chromium';
 // For something to come that must come; what is slow on a loaded machine is late, not wrong.
-export const PATIENCE_MS = 20_000;
+export const PATIENCE_MS = 60_000;
 
 export const TOKEN = '0123456789abcdef0123456789abcdef';
 

@@ -52,7 +52,7 @@ test('a page that was opened as the service began keeps all that is in view', as
   await page.goto(bench.url);
   await page.waitForSelector('#traces:not([hidden])');
   await page.locator('#trace-plot').scrollIntoViewIfNeeded();
-  await until(async () => (await bench.get('/api/v1/traces?points=1')).newest_s >= 14, 2 * PATIENCE_MS);
+  await until(async () => (await bench.get('/api/v1/traces?points=1')).newest_s >= 14);
   await page.locator('#trace-plot').scrollIntoViewIfNeeded();
   await until(async () => await lanePixels(page, 1, 5, '--ink', 0.1, 0.3) > 0); // the older part of the view
   await page.close();

@@ -49,7 +49,7 @@ before(async () => {
   [browser, bench] = await Promise.all([openBrowser(JITLESS ? ['--js-flags=--jitless'] : []), Bench.begin({ ...chain, edit })]);
   bench.rig.say('start');
   page = await browser.newPage({ viewport: SIZES.desk });
-  page.setDefaultTimeout(3 * PATIENCE_MS);
+  page.setDefaultTimeout(PATIENCE_MS);
   await page.addInitScript(countInBrowser);
   session = await page.context().newCDPSession(page);
   // The thread's own time: a busy machine makes nothing dearer.

@@ -19,7 +19,7 @@ after(async () => {
 
 test('a recording that is played is told as such, and its end is no alarm', async () => {
   const page = await browser.newPage({ viewport: SIZES.desk, bypassCSP: true });
-  page.setDefaultTimeout(3 * PATIENCE_MS);
+  page.setDefaultTimeout(PATIENCE_MS);
   await page.goto(bench.url);
   await page.waitForSelector('#state[data-kind=measuring]');
   const source = page.locator('#facts [data-tone=care]', { hasText: 'recording, not live' });

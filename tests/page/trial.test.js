@@ -21,7 +21,7 @@ async function situation(options, act) {
   try {
     bench.rig.say('start');
     const page = await browser.newPage({ viewport: SIZES.desk });
-    page.setDefaultTimeout(2 * PATIENCE_MS);
+    page.setDefaultTimeout(PATIENCE_MS);
     await page.goto(bench.url);
     await page.waitForSelector('#coefficients[data-source=measured] .element');
     await act(page, bench);
