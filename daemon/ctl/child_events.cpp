@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 #include "daemon/record/utc_text.hpp"
@@ -14,6 +13,17 @@ namespace {
 constexpr std::int64_t kTogether_ns = 1'000'000'000;  // a fault that repeats makes one event in so long, as in a run
 
 }  // namespace
+
+std::optional<record::StoredEvent> StateEvents::follow(const Replay& replay) {
+  if (!replay.state_changed()) return std::nullopt;
+  const std::optional<Dwell> dwell = replay.current();
+  if (!dwell || dwell->state == state_) return std::nullopt;
+  record::StoredEvent event;
+  event.position = replay.position();
+  event.what = "state";
+  event.text = state_line(std::exchange(state_, dwell->state), *dwell);
+  return event;
+}
 
 ChildEvents::ChildEvents(const record::RunHeader& parent, std::int64_t begin_ns, const Rig& rig,
                          std::vector<std::string> devices)
@@ -33,15 +43,10 @@ std::vector<record::StoredEvent> ChildEvents::follow(const Record& record, const
   if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::begins)) run_began_ = true;
   if (record.kind != Kind::channel_state || run_began_) stream_.take(record, replay.position());
   if (record.t_ns >= drain_ns_) drain(events);
-  if (!replay.state_changed()) return events;
-  const std::optional<Dwell> dwell = replay.current();
-  if (!dwell || dwell->state == state_) return events;
-  record::StoredEvent event;
-  event.position = replay.position();
-  event.utc = utc_of(record.t_ns);
-  event.what = "state";
-  event.text = state_line(std::exchange(state_, dwell->state), *dwell);
-  events.push_back(std::move(event));
+  if (auto change = states_.follow(replay)) {
+    change->utc = utc_of(record.t_ns);
+    events.push_back(std::move(*change));
+  }
   return events;
 }
 

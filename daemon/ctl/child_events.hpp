@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,17 @@
 #include "daemon/record/stream_events.hpp"
 
 namespace dwell::ctl {
+
+// Changes of state as the replay has them. Bound to one thread.
+class StateEvents {
+ public:
+  // Call after each record that the replay has taken; those that Replay::take_samples() takes may be left out. The
+  // event has no instant.
+  [[nodiscard]] std::optional<record::StoredEvent> follow(const Replay& replay);
+
+ private:
+  State state_ = State::idle;
+};
 
 // Changes of state as the replay has them; faults, losses and channels that come and go as the stream has them. What
 // people did is in the parent alone. Bound to one thread.
@@ -33,8 +45,8 @@ class ChildEvents {
   std::int64_t start_utc_ns_, begin_ns_, newest_ns_, drain_ns_;
   record::StreamNames names_;
   record::StreamEvents stream_;
+  StateEvents states_;
   bool run_began_ = false;
-  State state_ = State::idle;
 };
 
 }  // namespace dwell::ctl

@@ -1,6 +1,7 @@
 #include "daemon/ctl/event_comparison.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <string>
@@ -35,18 +36,19 @@ std::vector<Difference> differences(const StoredEvent& stored, const StoredEvent
   return found;
 }
 
-}  // namespace
+// Hands over each stored event that is compared, in the file's order, until the function returns false.
+using StoredEvents = std::function<record::Result<void>(const std::function<bool(const StoredEvent&)>&)>;
 
-record::Result<void> compare_events(const std::vector<StoredEvent>& replayed, record::RunReader& child,
-                                    ReplayFindings& to) {
+record::Result<void> compare(const std::vector<StoredEvent>& replayed, const StoredEvents& stored_events,
+                             ReplayFindings& to) {
   struct Here {
-    std::vector<const StoredEvent*> replayed;  // what the child lacks of it
-    std::vector<StoredEvent> stored;           // of the child, not among the replayed ones
+    std::vector<const StoredEvent*> replayed;  // what the file lacks of it
+    std::vector<StoredEvent> stored;           // not among the replayed ones
   };
   std::map<std::uint64_t, Here> at;
   for (const StoredEvent& event : replayed) at[event.position].replayed.push_back(&event);
   std::size_t others = 0;
-  const auto read = child.events([&](const StoredEvent& stored) {
+  const auto read = stored_events([&](const StoredEvent& stored) {
     ++to.events;
     const auto found = at.find(stored.position);
     if (found == at.end() || others == replayed.size()) {
@@ -78,6 +80,42 @@ record::Result<void> compare_events(const std::vector<StoredEvent>& replayed, re
     }
   }
   return {};
+}
+
+}  // namespace
+
+record::Result<void> compare_events(const std::vector<StoredEvent>& replayed, record::RunReader& child,
+                                    ReplayFindings& to) {
+  return compare(
+      replayed, [&](const auto& take) { return child.events(take); }, to);
+}
+
+record::Result<void> compare_states(std::vector<StoredEvent> replayed, std::uint64_t begins, record::RunReader& run,
+                                    ReplayFindings& to) {
+  std::vector<StoredEvent> stored;
+  const auto read = run.events([&](const StoredEvent& event) {
+    if (event.what != "state") return true;
+    StoredEvent& change = stored.emplace_back();
+    change.position = event.position;
+    change.what = event.what;
+    change.text = event.text;
+    return true;
+  });
+  if (!read) return read;
+  const std::uint64_t last = run.end() ? run.end()->records : stored.empty() ? 0 : stored.back().position + 1;
+  // The change at the run's first record may be the other pipeline's.
+  const auto elsewhere = [&](const StoredEvent& event) {
+    return event.position <= begins + 1 || event.position >= last;
+  };
+  std::erase_if(stored, elsewhere);
+  std::erase_if(replayed, elsewhere);
+  return compare(
+      replayed,
+      [&](const auto& take) -> record::Result<void> {
+        for (const StoredEvent& event : stored) take(event);
+        return {};
+      },
+      to);
 }
 
 }  // namespace dwell::ctl

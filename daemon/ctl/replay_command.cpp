@@ -49,8 +49,8 @@ int cannot_replay(const record::Failure& why, int code = kUsage) {
   return code;
 }
 
-bool begins_a_run(const Record& record) {
-  return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::armed);
+bool is_edge(const Record& record, RunEdge edge) {
+  return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(edge);
 }
 
 // Hands every record to the replay, and then calls after(record), the record as the replay's rig has it. free() says
@@ -67,7 +67,7 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
   const double begin_ns = static_cast<double>(reader.begin_ns());
   const double length_ns = static_cast<double>(reader.end_ns()) - begin_ns + 1.0;
   const auto played = reader.blocks([&](std::span<const Record> records) {
-    if (replay.position() == 0 && !records.empty() && !begins_a_run(records.front())) return false;
+    if (replay.position() == 0 && !records.empty() && !is_edge(records.front(), RunEdge::armed)) return false;
     if (!channels.same_order()) {
       mapped.assign(records.begin(), records.end());
       for (Record& record : mapped) record = channels.map(record);
@@ -115,8 +115,8 @@ struct ComparedChild {
 };
 
 // Computes the results again with the rig file in `of`, and compares them with those that `of` holds: a run, or a child
-// of it. child: null, or that child: then the events are compared too, and where the replay gives a result that the
-// child lacks, that is a difference. Returns the exit code.
+// of it, and changes of state. child: null, or that child: then all events are compared, and where the replay gives a
+// result that the child lacks, that is a difference. Returns the exit code.
 int compare(const ReplayOptions& options, record::RunReader& reader, const std::string& of,
             const record::RunHeader& header, ComparedChild* child) {
   const auto file = rig_of(header, of);
@@ -131,6 +131,8 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   ReplayCheck check(
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
       reader.end().has_value());
+  StateEvents states;
+  std::uint64_t begins = 0;  // position
   ChildEvents follower(reader.header(), reader.begin_ns(), file->rig, devices_of(reader.header()));
   std::vector<record::StoredEvent> events;
   const auto add_events = [&events](std::vector<record::StoredEvent> more) {
@@ -144,7 +146,11 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
       [&] { return child != nullptr ? std::uint64_t{0} : check.free_until(replay); },
       [&](const Record& record) {
         check.follow(replay);
-        if (child == nullptr) return;
+        if (child == nullptr) {
+          if (is_edge(record, RunEdge::begins)) begins = replay.position();
+          if (auto change = states.follow(replay)) events.push_back(std::move(*change));
+          return;
+        }
         add_events(follower.follow(record, replay));
         for (; gap < child->without.size() && child->without[gap] <= replay.position(); ++gap)
           if (replay.current())
@@ -159,6 +165,8 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
     if (auto compared = compare_events(events, child->reader, *findings); !compared)
       return cannot_replay(compared.error());
     findings->notes.push_back(child->note);
+  } else if (auto compared = compare_states(std::move(events), begins, reader, *findings); !compared) {
+    return cannot_replay(compared.error());
   }
   Printout out = printout(file->rig, {file->sha256, DWELL_VERSION, header.start_utc}, *dwells);
   const ReplayVerdict verdict = judge(*findings, header.origin, record::this_origin());

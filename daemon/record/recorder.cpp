@@ -111,6 +111,7 @@ struct Recorder::Impl {
   bool stop = false;
   RecorderState state;
   std::vector<Entering> signatures;  // for the ledger
+  std::promise<void> first_file;     // made, or it cannot be
   std::thread thread;
 
   void finish() {
@@ -124,6 +125,9 @@ struct Recorder::Impl {
 
   void run() {
     pthread_setname_np(pthread_self(), "recorder");
+    turn({raw_now_ns(), utc_now_ns()});
+    folder.settle();
+    first_file.set_value();
     for (bool last = false; !last;) {
       {
         std::unique_lock lock(mutex);
@@ -274,6 +278,7 @@ Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& sig
   return done.get();
 }
 
+void Recorder::await_first_file(std::chrono::milliseconds limit) { impl_->first_file.get_future().wait_for(limit); }
 void Recorder::finish() { impl_->finish(); }
 
 bool Recorder::take_restart() noexcept { return impl_->restart.exchange(false, std::memory_order_relaxed); }

@@ -6,6 +6,7 @@
 // a new run, see take_restart().
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -78,6 +79,10 @@ class Recorder final : public StreamSink, public RequestSink {
   // Stores the event in the file of the current run, or of the next run if that reaches back so far. Thread-safe, short
   // lock.
   void event(StoredEvent event);
+
+  // Waits until the file of the first run is made, or why it cannot be is known; so long at most. Data that come before
+  // would be in memory only, for as long as that takes. To be called once.
+  void await_first_file(std::chrono::milliseconds limit);
 
   // Writes everything received so far, ends the run, and gives the last anchors up to 5 s to arrive. Afterwards nothing
   // is taken any more. Not thread-safe; may be called again.

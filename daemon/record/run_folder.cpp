@@ -53,6 +53,7 @@ struct RunFolder::Impl {
   std::optional<CutOffRun> cut_off;
   PreparedRun prepared;
   std::optional<Ledger::Ending> ended;  // the end of the last run, not in the ledger yet
+  bool log_to_merge = false;            // a copy of the ledger's file alone would lack its newest entries
   // Of the run that is recorded.
   std::optional<ChainWriter> file;
   std::string name, origin;
@@ -154,6 +155,15 @@ struct RunFolder::Impl {
     return told;
   }
 
+  // If the merge fails, the entries stay in the -wal.
+  void merge_log() {
+    log_to_merge = false;
+    disk_jobs.start([ledger = &signs->ledger]() -> Result<void> {
+      [[maybe_unused]] const auto merged = ledger->merge_log();
+      return {};
+    });
+  }
+
   // Enters the run that begins; with it the end of the one before, if that is not in the ledger yet. Any thread, while
   // no other uses the ledger.
   Result<void> enter(const RunHeader& header) {
@@ -227,7 +237,11 @@ Result<void> RunFolder::ready() {
   Impl& self = *impl_;
   if (auto opened = open(); !opened) return opened;
   if (self.file) return {};
-  if (auto told = self.tell_of_end(); !told) return told;
+  if (self.ended) {
+    if (auto told = self.tell_of_end(); !told) return told;
+  } else if (self.log_to_merge) {
+    self.merge_log();
+  }
   auto can = self.has_room();
   if (can) self.prepared.make(self.signs->ledger.next_run());
   return can;
@@ -279,7 +293,7 @@ Result<void> RunFolder::write(std::span<const NewEntry> batch) {
 }
 
 // The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry.
-Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
+Result<void> RunFolder::end(std::span<const NewEntry> last) {
   Impl& self = *impl_;
   self.reserve.release();
   const auto written = append_and_commit(*self.file, last);
@@ -294,25 +308,23 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
     });
   self.file.reset();
   self.name.clear();
-  const auto told = another ? Result<void>() : self.tell_of_end();
-  // Else a copy of the ledger's file alone would lack the newest entries. Nothing is recorded now that could be held
-  // up, and this thread does not wait. If the merge fails, the entries stay in the -wal.
-  if (told && !another)
-    self.disk_jobs.start([ledger = &self.signs->ledger]() -> Result<void> {
-      [[maybe_unused]] const auto merged = ledger->merge_log();
-      return {};
-    });
-  return written ? told : written;
+  self.log_to_merge = true;
+  return written;
 }
 
 std::shared_future<void> RunFolder::closed() const { return impl_->disk_jobs.done(); }
 void RunFolder::settle() {
+  if (impl_->ended) impl_->disk_jobs.start([self = impl_.get()] { return self->tell_of_end(); });
+  if (impl_->log_to_merge) impl_->merge_log();
   impl_->prepared.wait();
   impl_->disk_jobs.settle();
 }
 std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
-std::vector<EndedRunFile> RunFolder::take_ended() { return std::exchange(impl_->ended_files, {}); }
+std::vector<EndedRunFile> RunFolder::take_ended() {
+  if (impl_->ended) return {};
+  return std::exchange(impl_->ended_files, {});
+}
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
 const std::string& RunFolder::file() const noexcept { return impl_->name; }
 
@@ -331,12 +343,12 @@ Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& why) {
   if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
   // A crash, a stop or a failure came between that entry and the removal of the file.
   if (impl_->signs->ledger.is_deleted(run)) return {};
-  return impl_->signs->ledger.run_deleted(run, why);
+  return impl_->tell_of_end().and_then([&] { return impl_->signs->ledger.run_deleted(run, why); });
 }
 
 Result<void> RunFolder::run_signed(std::int64_t run, const PersonalSignature& signature) {
   if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
-  return impl_->signs->ledger.run_signed(run, signature);
+  return impl_->tell_of_end().and_then([&] { return impl_->signs->ledger.run_signed(run, signature); });
 }
 
 }  // namespace dwell::record

@@ -157,9 +157,9 @@ void RunLog::gap(std::uint64_t lost) {
 }
 
 // A block is complete. Writes it into the file, or keeps it.
-void RunLog::cut(bool another) {
+void RunLog::cut() {
   if (run_ && run_->ending.empty()) return write_block();
-  if (run_) close(take_notes(run_->last_t_ns), run_->ending, another);
+  if (run_) close(take_notes(run_->last_t_ns), run_->ending);
   if (cutter_.empty()) return;
   if (follows_) return kept_.add(cutter_.take());
   cutter_.clear();
@@ -218,8 +218,8 @@ RunHeader RunLog::make_header(const Request* request, std::int64_t first_t_ns) {
 }
 
 void RunLog::begin(const Record& edge) {
-  if (run_ && run_->ending.empty()) end_now("another run begins", true);
-  cut(true);
+  if (run_ && run_->ending.empty()) end_now("another run begins");
+  cut();
   const auto ago = static_cast<std::uint64_t>(std::max(edge.value, 0.0));
   const std::uint64_t born = cutter_.number() - std::min(ago, cutter_.number());
   std::deque<Block> blocks = kept_.take_from(born);
@@ -270,11 +270,11 @@ void RunLog::end(const Record& edge) {
   run_->ending = why_text(static_cast<EndOfRun>(edge.value));
 }
 
-void RunLog::end_now(const std::string& why, bool another) {
+void RunLog::end_now(const std::string& why) {
   if (run_->ending.empty()) {
-    close(take_batch(), why, another);
+    close(take_batch(), why);
   } else {
-    close(take_notes(run_->last_t_ns), run_->ending, another);
+    close(take_notes(run_->last_t_ns), run_->ending);
   }
 }
 
@@ -295,12 +295,12 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   stop(reason);
 }
 
-void RunLog::close(std::vector<NewEntry> batch, std::string why, bool another) {
+void RunLog::close(std::vector<NewEntry> batch, std::string why) {
   const std::int64_t t_ns = run_->last_t_ns;
   batch.insert(batch.begin(), std::make_move_iterator(last_.begin()), std::make_move_iterator(last_.end()));
   last_.clear();
   batch.push_back({"end", t_ns, to_json(RunEnd{why, run_->records, run_->samples, utc_now()})});
-  const auto ended = store_.end(batch, another);
+  const auto ended = store_.end(batch);
   const RunProgress run = *std::exchange(run_, std::nullopt);
   const std::string text = named(run.header) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
                            std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";

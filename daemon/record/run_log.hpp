@@ -100,16 +100,15 @@ class RunLog {
   [[nodiscard]] std::size_t kept_bytes() const noexcept { return kept_.bytes(); }
 
  private:
-  // another: a run begins at once after the one that this closes.
-  void cut(bool another = false);
+  void cut();
   void write_block();
   void write(std::vector<NewEntry> batch);
   void begin(const Record& edge);
   void end(const Record& edge);
-  void end_now(const std::string& why, bool another = false);
+  void end_now(const std::string& why);
   void stop(const std::string& why);
   void fail(std::vector<NewEntry> batch, const std::string& reason);
-  void close(std::vector<NewEntry> batch, std::string why, bool another = false);
+  void close(std::vector<NewEntry> batch, std::string why);
   [[nodiscard]] std::vector<NewEntry> take_batch();
   [[nodiscard]] std::vector<NewEntry> take_notes(std::int64_t t_ns);
   void note(StoredEvent event);

@@ -23,18 +23,18 @@ struct NewEntry {
 class RunStore {
  public:
   virtual ~RunStore() = default;
-  // Whether a run could begin now, as far as is known beforehand. Fails with the reason why not.
+  // Whether a run could begin now, as far as is known beforehand. Fails with the reason why not. To be called now and
+  // then while there is no run.
   [[nodiscard]] virtual Result<void> ready() = 0;
   // Begins a run: puts its number, id, key and predecessor into `header`, writes it and the first entries. t_ns: of the
   // first record.
   [[nodiscard]] virtual Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) = 0;
   // Writes a batch. It survives a loss of power once this returns.
   [[nodiscard]] virtual Result<void> write(std::span<const NewEntry> batch) = 0;
-  // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, either these
-  // entries are not written, and the file stays cut off, or the ledger could not be told, which is tried again. In any
-  // case there is no run afterwards. another: begin() follows at once; what end() need not do
-  // itself may be left to it.
-  [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last, bool another) = 0;
+  // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, these entries
+  // are not written, and the file stays cut off. In any case there is no run afterwards. What need not be done at once
+  // is left to ready(), or to begin() if that comes before.
+  [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last) = 0;
 };
 
 }  // namespace dwell::record

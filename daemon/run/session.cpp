@@ -15,6 +15,10 @@
 namespace dwell {
 namespace {
 
+// Measuring waits so long for the recorder to open its directory: some ten waits for the disk, 5 s if each takes 0.5 s.
+// Halved, a run that begins at once may lose more than 2 s there. Doubled, a disk that hangs delays measuring by so
+// much.
+constexpr std::chrono::seconds kRecorderOpens{5};
 constexpr std::chrono::seconds kStopWithin{1};  // the interface asks for half of that
 constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
 // A disk may hold the recorder up for so long: its buffer lasts longer. Beyond this the health reports it.
@@ -81,6 +85,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
 }
 
 tl::expected<void, std::string> Session::start() {
+  if (impl_->recorder) impl_->recorder->await_first_file(kRecorderOpens);
   impl_->run->start();
   for (const auto& device : impl_->devices) {
     if (auto started = device->start(); !started) return started;

@@ -26,6 +26,7 @@ TEST(Replay, GivesEveryPublishedResultAgainToTheBit) {
     EXPECT_EQ(answer["same_origin"], true);
     EXPECT_EQ(answer["compared"]["results"], written.results + written.finals);
     EXPECT_EQ(answer["compared"]["finals"], written.finals);
+    EXPECT_GT(answer["compared"]["events"], 0) << "changes of state";
     EXPECT_EQ(answer["dwells"].size(), static_cast<std::size_t>(written.finals));
     EXPECT_GT(answer["compared"]["numbers"].get<int>(), 20 * written.results);
     EXPECT_TRUE(answer["notes"].empty());
@@ -115,6 +116,30 @@ TEST_F(ReplayTest, NamesATextAMemberAndAResultThatAreOthers) {
   EXPECT_EQ(dropped.code, kNo);
   EXPECT_EQ(dropped.json()["differences"].at(0)["what"], "result");
   EXPECT_EQ(dropped.json()["differences"].at(0)["replayed"], "a dwell ends here");
+}
+
+TEST_F(ReplayTest, NamesAChangeOfStateThatIsGoneOrAnotherOrElsewhere) {
+  const auto change = [&](const std::function<bool(record::StoredEvent&)>& to) {
+    std::filesystem::remove(folder.path("changed.dwell"));
+    return replayed(write("changed.dwell", {.state = [&to](record::StoredEvent& event) {
+                            return event.text.find("-> idle") == std::string::npos || to(event);
+                          }}));
+  };
+  const Printed same = change([](record::StoredEvent&) { return true; });
+  EXPECT_EQ(same.code, kDone) << same.out;
+  EXPECT_EQ(same.json()["compared"]["events"], 2) << "settling again, then idle; the first two came before the run began";
+  const Printed gone = change([](record::StoredEvent&) { return false; });
+  EXPECT_EQ(gone.code, kNo);
+  ASSERT_EQ(gone.json()["differences"].size(), 1U);
+  EXPECT_EQ(gone.json()["differences"][0]["what"], "event");
+  EXPECT_EQ(gone.json()["differences"][0]["stored"], nullptr);
+  const Printed other = change([](record::StoredEvent& event) { return event.text += ".", true; });
+  EXPECT_EQ(other.code, kNo);
+  ASSERT_EQ(other.json()["differences"].size(), 1U);
+  EXPECT_EQ(other.json()["differences"][0]["what"], "event.text");
+  const Printed elsewhere = change([](record::StoredEvent& event) { return ++event.position, true; });
+  EXPECT_EQ(elsewhere.code, kNo);
+  EXPECT_EQ(elsewhere.json()["differences"].size(), 2U) << "one too many here, one missing there";
 }
 
 TEST_F(ReplayTest, ToldAtAnotherPlaceOfTheStreamAResultIsAnother) {

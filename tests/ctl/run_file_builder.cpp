@@ -10,6 +10,7 @@
 #include "daemon/record/block.hpp"
 #include "daemon/record/chain_file.hpp"
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/dwell_line.hpp"
 
 namespace dwell::test {
 namespace {
@@ -189,6 +190,7 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
   auto writer = must(record::ChainWriter::create(path, record::ChainSort::run, "dwell/run/" + run.header.id, key));
   must(writer.append("run", stream.front().t_ns, to_json(run.header)));
   std::vector<record::StoredResult> results;
+  std::vector<record::StoredEvent> states;
   std::uint64_t position = 0;
   const auto store = [&](bool final, const Dwell& dwell) {
     record::StoredResult result{position, final, to_json(dwell, file->rig, info)};
@@ -198,16 +200,25 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     results.push_back(std::move(result));
   };
   Measurement measurement(file->rig, KeptDwells(1, 1'000'000), [&](RunEvent event) {
-    if (event.kind == RunEvent::Kind::dwell_finished) store(true, *event.dwell);
+    if (event.kind == RunEvent::Kind::dwell_finished) return store(true, *event.dwell);
+    record::StoredEvent change;
+    change.position = position;
+    change.what = "state";
+    change.text = state_line(event.before, *event.dwell);
+    if (changes.state && !changes.state(change)) return;
+    ++run.states;
+    states.push_back(std::move(change));
   });
   std::vector<Record> block;
   const auto cut = [&] {
     must(writer.append("stream", block.back().t_ns, record::encode_block(block)));
     for (const record::StoredResult& result : results)
       must(writer.append("result", block.back().t_ns, to_json(result)));
+    for (const record::StoredEvent& state : states) must(writer.append("event", block.back().t_ns, to_json(state)));
     if (changes.commits) must(writer.commit());
     block.clear();
     results.clear();
+    states.clear();
   };
   std::int64_t publish_ns = stream.front().t_ns;
   std::uint64_t samples = 0;

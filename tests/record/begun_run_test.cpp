@@ -49,7 +49,7 @@ std::string record_and_crash(const std::string& directory, const std::string& le
       if (run == runs) break;
       if (const auto written = folder.write(one_event()); !written) return written.error();
       folder.settle();
-      if (const auto ended = folder.end(the_end(), true); !ended) return ended.error();
+      if (const auto ended = folder.end(the_end()); !ended) return ended.error();
     }
     folder.settle();
     vanish();
@@ -105,7 +105,7 @@ void expect_adopted(const std::string& directory, std::int64_t run) {
     header.start_utc = "2026-11-23T00:01:00Z";
     ASSERT_TRUE(folder.begin(header, 1, one_event()));
     EXPECT_EQ(header.run, run + 1);
-    ASSERT_TRUE(folder.end(the_end(), false));
+    ASSERT_TRUE(folder.end(the_end()));
   }
   EXPECT_EQ(state_with_ledger(run_file_of(directory, run + 1), directory), AuditState::intact);
   EXPECT_EQ(ledger_says(directory), "");

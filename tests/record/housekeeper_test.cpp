@@ -47,7 +47,10 @@ struct HousekeeperTest : testing::Test {
     header.start_utc = iso_utc(kMidnight_utc_ns);
     EXPECT_TRUE(to.begin(header, 0, {}));
     const std::vector<NewEntry> last{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}};
-    EXPECT_TRUE(to.end(last, follows));
+    EXPECT_TRUE(to.end(last));
+    if (!follows) {
+      EXPECT_TRUE(to.ready());
+    }
     return header;
   }
   // Whether the anchor of the run's last entry has arrived.
@@ -118,7 +121,7 @@ TEST_F(HousekeeperTest, RunsThatTheLedgerDoesNotKnowAreNamedAndNeverDeleted) {
   RunHeader next = rig_header();
   next.start_utc = iso_utc(kMidnight_utc_ns + 60'000'000'000);
   ASSERT_TRUE(folder.begin(next, 0, {}));
-  ASSERT_TRUE(folder.end(std::vector<NewEntry>{{"end", 0, to_json(RunEnd{"operator", 0, 0, next.start_utc})}}, false));
+  ASSERT_TRUE(folder.end(std::vector<NewEntry>{{"end", 0, to_json(RunEnd{"operator", 0, 0, next.start_utc})}}));
   folder.settle();
 
   HousekeepingOptions options{folder_options(scratch.path("")).directory, {400.0, {}}, {}};

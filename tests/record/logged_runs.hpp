@@ -33,7 +33,7 @@ class MemoryStore final : public RunStore {
     ++commits;
     return {};
   }
-  Result<void> end(std::span<const NewEntry> last, bool /*another*/) override {
+  Result<void> end(std::span<const NewEntry> last) override {
     if (broken) return tl::unexpected(std::string("input/output error"));
     runs.back().entries.insert(runs.back().entries.end(), last.begin(), last.end());
     runs.back().closed = true;

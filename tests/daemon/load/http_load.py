@@ -10,6 +10,7 @@ of a megabyte; beside them an operator who was served before. Exit code 1: a sam
 or the operator was not served. The figures mean something on a quiet machine alone. All traffic stays on 127.0.0.1.
 """
 import asyncio
+import collections
 import json
 import os
 import re
@@ -52,7 +53,15 @@ def cpu_ns(pid, name):
 
 
 def dropped(port):
-    return sum(channel["dropped"] for channel in get(port, "channels")["channels"])
+    """How many samples, by the reason."""
+    reasons = collections.Counter()
+    for channel in get(port, "channels")["channels"]:
+        reasons.update(channel["dropped_by"])
+    return reasons
+
+
+def in_words(reasons):
+    return f"{sum(reasons.values())}" + "".join(f", {reason} {n}" for reason, n in sorted(reasons.items()) if n)
 
 
 async def poll(port, turn, counts):
@@ -166,7 +175,7 @@ def stretch(port, pid, seconds, who):
     before, begun = cpu_ns(pid, "estimate"), time.monotonic()
     time.sleep(seconds)
     share = (cpu_ns(pid, "estimate") - before) / (time.monotonic() - begun) / 1e9
-    lost = dropped(port) - lost
+    lost = dropped(port) - lost  # counters only grow
     got = {}
     if crowd:
         if crowd.poll() is not None:
@@ -205,7 +214,7 @@ def main():
                     break
             while get(port, "dwell")["state"] != "measuring":
                 time.sleep(1.0)
-            ratios, answers, events, lost = [], 0, 0, {False: 0, True: 0}
+            ratios, answers, events, lost = [], 0, 0, {False: collections.Counter(), True: collections.Counter()}
             for pair in range(pairs):
                 # Each second pair the other way round: what drifts cancels.
                 order = (False, True) if pair % 2 == 0 else (True, False)
@@ -225,14 +234,14 @@ def main():
             print(f"clients: {answers / under:.0f} answers/s of {POLLERS * POLL_HZ:.0f}, "
                   f"{events / under / (STREAMS - 1):.1f} events/s for each stream that reads; "
                   f"events dropped {health['http']['events_dropped']}")
-            print(f"samples: received {sum(c['received'] for c in channels)}, dropped {lost[False]} alone, {lost[True]} with clients, "
-                  f"{lost_attacked} with attackers, "
+            print(f"samples: received {sum(c['received'] for c in channels)}, dropped {in_words(lost[False])} alone; {in_words(lost[True])} with clients; "
+                  f"{in_words(lost_attacked)} with attackers; "
                   f"gaps {sum(c['gaps'] for c in channels)}; turns skipped {health['skipped_turns']}; "
                   f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
             served = got["answers"] / ((seconds + SETTLED_S) * POLL_HZ)
             print(f"attackers: {got['connections']} connections; estimation {share:.4f} of a core; an operator who was there before "
                   f"had {100 * served:.0f} % of the answers")
-            if lost[True] or lost_attacked or statistics.median(ratios) > MOST_RATIO or served < SERVED:
+            if lost[True].total() or lost_attacked.total() or statistics.median(ratios) > MOST_RATIO or served < SERVED:
                 sys.exit(1)
         finally:
             for process in (service, rig):
