@@ -8,6 +8,7 @@ import { showHead } from './head_view.mjs';
 import { showModeShape } from './mode_shape_view.mjs';
 import { beginOperate, rightsNow, showOperate } from './operate_view.mjs';
 import { showPhasors } from './phasors_view.mjs';
+import { inNextPicture } from './pictures.mjs';
 import { showTables } from './tables_view.mjs';
 import { TracesView } from './traces_view.mjs';
 import { showBeyond } from './wall_view.mjs';
@@ -16,13 +17,11 @@ import { showBeyond } from './wall_view.mjs';
 const TICK_MS = 250;
 
 const clock = new Clock(() => performance.now() / 1e3, () => Date.now() / 1e3);
-let due = false;
 
 const slower = [atMost(2, showPhasors), atMost(1, showModeShape), atMost(1, showTables), atMost(4, showOperate), atMost(1, showBeyond),
   atMost(2, (view) => showAlarms(view, () => feed.askNow()))];
 
 function draw() {
-  due = false;
   const now = clock.now();
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
   const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events, eventsTotal: feed.eventsTotal,
@@ -34,12 +33,7 @@ function draw() {
   traces.look(now, feed.fresh.old_s);
 }
 
-// At most once for each picture that the screen shows, and not at all while nobody sees the page.
-function changed() {
-  if (due) return;
-  due = true;
-  requestAnimationFrame(draw);
-}
+const changed = () => inNextPicture(draw);
 
 const traces = new TracesView(clock);
 const feed = new Feed(clock, changed, traces);

@@ -3,10 +3,11 @@
 import { h, keyed, rowHead, s, setAttributes, setText, show } from './dom.mjs';
 import { barOf, displacedAt, fullestPart, modeShapeOf, reachOf } from './mode_shape.mjs';
 import { isNumber, NO_NUMBER, percentText, plainText } from './number.mjs';
+import { inNextPicture } from './pictures.mjs';
 
 const $ = (id) => document.getElementById(id);
 const PERIOD_S = 4; // one period of the drive as it is shown
-const STEP_MS = 80; // between two pictures: smooth enough at this pace, and a third of the cost of every frame
+const STEP_MS = 80; // between two places of the masses: smooth enough at this pace
 const PITCH = 70; // between two masses at rest; all lengths in units of the picture
 const REACH = 20; // of the largest displacement
 const HALF = 13; // half a mass' width
@@ -85,5 +86,5 @@ turn();
 setInterval(() => {
   if (!moves || !shape || document.hidden) return;
   part = ((part ?? fullestPart(shape)) + STEP_MS / 1e3 / PERIOD_S) % 1;
-  place();
+  inNextPicture(place);
 }, STEP_MS);

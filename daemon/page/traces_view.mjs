@@ -3,6 +3,7 @@
 import { h, rowHead, setAttributes, setText, show } from './dom.mjs';
 import { ageText, isNumber, plainText } from './number.mjs';
 import { whileDisabled } from './order.mjs';
+import { inNextPicture } from './pictures.mjs';
 import { lastText, TracePlot } from './trace_plot.mjs';
 import { agesOf, csvName, csvOf, cursorTexts, durationText, finestOf, MOST_BINS, savedText, TraceWindow } from './trace_window.mjs';
 
@@ -47,7 +48,6 @@ export class TracesView {
   #lessAt = 0;
   #cursors = { A: 0.25, B: 0.75 }; // parts of the view
   #drag = null;
-  #due = false;
   #seen = true; // the plot is on the screen
   #drawn_s = -Infinity; // when the plot was drawn; -Infinity: not yet with the newest answer
   #clock;
@@ -320,14 +320,9 @@ export class TracesView {
     return isNumber(this.#origin_ms) ? `${new Date(this.#origin_ms + 1e3 * t_s).toISOString().slice(11, 23)} UTC` : '';
   }
 
-  // At most once for each picture that the screen shows.
+  #toDraw = () => this.#draw(); // one and the same at each call
   #redraw() {
-    if (this.#due) return;
-    this.#due = true;
-    requestAnimationFrame(() => {
-      this.#due = false;
-      this.#draw();
-    });
+    inNextPicture(this.#toDraw);
   }
   #draw() {
     setText($('trace-pause'), this.#live ? 'Pause' : 'Live');
