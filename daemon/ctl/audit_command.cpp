@@ -11,6 +11,7 @@
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/record/audit.hpp"
+#include "daemon/record/file_name.hpp"
 #include "daemon/record/ledger_check.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
@@ -42,7 +43,7 @@ record::Result<std::string> ledger_beside(const std::vector<std::string>& files)
     if (folder_of(file) != folder_of(files.front()))
       return tl::unexpected("expected the name of a ledger: " + files.front() + " and " + file +
                             " lie in different folders");
-  return (folder_of(files.front()) / "ledger.dwell-ledger").string();
+  return record::ledger_in(folder_of(files.front()).string());
 }
 
 std::string ledger_verdict(const record::LedgerAudit& ledger) {

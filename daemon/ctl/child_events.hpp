@@ -16,8 +16,7 @@ namespace dwell::ctl {
 // Changes of state as the replay has them. Bound to one thread.
 class StateEvents {
  public:
-  // Call after each record that the replay has taken; those that Replay::take_samples() takes may be left out. The
-  // event has no instant.
+  // Call after each Replay::take(). Not needed after take_samples(): it never changes the state. `utc` stays empty.
   [[nodiscard]] std::optional<record::StoredEvent> follow(const Replay& replay);
 
  private:

@@ -90,7 +90,7 @@ record::Result<void> compare_events(const std::vector<StoredEvent>& replayed, re
       replayed, [&](const auto& take) { return child.events(take); }, to);
 }
 
-record::Result<void> compare_states(std::vector<StoredEvent> replayed, std::uint64_t begins, record::RunReader& run,
+record::Result<void> compare_states(std::vector<StoredEvent> replayed, std::uint64_t begins_at, record::RunReader& run,
                                     ReplayFindings& to) {
   std::vector<StoredEvent> stored;
   const auto read = run.events([&](const StoredEvent& event) {
@@ -102,17 +102,17 @@ record::Result<void> compare_states(std::vector<StoredEvent> replayed, std::uint
     return true;
   });
   if (!read) return read;
-  const std::uint64_t last = run.end() ? run.end()->records : stored.empty() ? 0 : stored.back().position + 1;
-  // The change at the run's first record may be the other pipeline's.
-  const auto elsewhere = [&](const StoredEvent& event) {
-    return event.position <= begins + 1 || event.position >= last;
+  const std::uint64_t end = run.end() ? run.end()->records : stored.empty() ? 0 : stored.back().position + 1;
+  const auto not_compared = [&](const StoredEvent& event) {
+    return event.position <= begins_at + 1 || event.position >= end;
   };
-  std::erase_if(stored, elsewhere);
-  std::erase_if(replayed, elsewhere);
+  std::erase_if(stored, not_compared);
+  std::erase_if(replayed, not_compared);
   return compare(
       replayed,
       [&](const auto& take) -> record::Result<void> {
-        for (const StoredEvent& event : stored) take(event);
+        for (const StoredEvent& event : stored)
+          if (!take(event)) break;
         return {};
       },
       to);

@@ -1,4 +1,4 @@
-// The events of a replay against those that a file holds: of a child file all, of a run its changes of state.
+// The events of a replay against those that a file holds. Child file: all events; run: changes of state only.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ namespace dwell::ctl {
 [[nodiscard]] record::Result<void> compare_events(const std::vector<record::StoredEvent>& replayed,
                                                   record::RunReader& child, ReplayFindings& to);
 
-// The same for the changes of state of a run, each with its position and its text, between `begins`, the position of
-// RunEdge::begins, and the end of the run. Before it another pipeline's state may have been shown. Of a run that was
-// cut off up to the last change that is stored, since the one after it may be lost. The instants are those of the
-// computer's clock then, and a replay has none.
-[[nodiscard]] record::Result<void> compare_states(std::vector<record::StoredEvent> replayed, std::uint64_t begins,
+// Compares the changes of state of a run: position and text. Compared are those after `begins_at` + 1 (before that,
+// another pipeline's state may have been shown) and before the run's last record. begins_at: position of
+// RunEdge::begins. If the run was cut off, the last stored change is the last one compared: a later one may be lost.
+// Adds each difference to `to`, and counts the events. Keeps all changes of state in memory.
+[[nodiscard]] record::Result<void> compare_states(std::vector<record::StoredEvent> replayed, std::uint64_t begins_at,
                                                   record::RunReader& run, ReplayFindings& to);
 
 }  // namespace dwell::ctl

@@ -26,7 +26,7 @@ struct ReplayFindings {
 
   std::uint64_t results = 0, finals = 0;  // compared
   std::uint64_t numbers = 0;              // in them
-  std::uint64_t events = 0;               // compared: of a child file all, of a run its changes of state
+  std::uint64_t events = 0;               // compared; child file: all, run: changes of state only
   std::uint64_t different = 0;            // of the numbers and other members
   std::uint64_t intolerable = 0;          // of these, beyond the tolerance for another build
   Finding largest;                        // the tolerable one with the largest `in_u`

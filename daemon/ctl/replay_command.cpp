@@ -114,9 +114,9 @@ struct ComparedChild {
   std::string note;
 };
 
-// Computes the results again with the rig file in `of`, and compares them with those that `of` holds: a run, or a child
-// of it, and changes of state. child: null, or that child: then all events are compared, and where the replay gives a
-// result that the child lacks, that is a difference. Returns the exit code.
+// Computes the results again with the rig file in `of`, a run or a child of it, and compares them with those that `of`
+// holds. child = null: compares the run's changes of state too. Otherwise: all events of that child, and a result of
+// the replay that the child lacks is a difference. Returns the exit code.
 int compare(const ReplayOptions& options, record::RunReader& reader, const std::string& of,
             const record::RunHeader& header, ComparedChild* child) {
   const auto file = rig_of(header, of);
@@ -132,7 +132,7 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
       reader.end().has_value());
   StateEvents states;
-  std::uint64_t begins = 0;  // position
+  std::uint64_t begins_at = 0;
   ChildEvents follower(reader.header(), reader.begin_ns(), file->rig, devices_of(reader.header()));
   std::vector<record::StoredEvent> events;
   const auto add_events = [&events](std::vector<record::StoredEvent> more) {
@@ -147,7 +147,7 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
       [&](const Record& record) {
         check.follow(replay);
         if (child == nullptr) {
-          if (is_edge(record, RunEdge::begins)) begins = replay.position();
+          if (is_edge(record, RunEdge::begins)) begins_at = replay.position();
           if (auto change = states.follow(replay)) events.push_back(std::move(*change));
           return;
         }
@@ -165,7 +165,7 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
     if (auto compared = compare_events(events, child->reader, *findings); !compared)
       return cannot_replay(compared.error());
     findings->notes.push_back(child->note);
-  } else if (auto compared = compare_states(std::move(events), begins, reader, *findings); !compared) {
+  } else if (auto compared = compare_states(std::move(events), begins_at, reader, *findings); !compared) {
     return cannot_replay(compared.error());
   }
   Printout out = printout(file->rig, {file->sha256, DWELL_VERSION, header.start_utc}, *dwells);

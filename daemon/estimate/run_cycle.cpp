@@ -71,7 +71,8 @@ void RunCycle::give(const Record& record) {
   tap_.record(record);
   accounts_.give(record);
   for (const auto& pipeline : live_) pipeline->take(record);
-  if (run_.on) tap_.look(*live_.front(), record.t_ns);
+  // Not at the run's end: from then on only dwells that have ended are handed over.
+  if (run_.on && record.kind != Kind::run) tap_.look(*live_.front(), record.t_ns);
 }
 
 void RunCycle::follow_course() {
@@ -128,6 +129,7 @@ void RunCycle::begin(std::uint16_t request) {
   run_.on = true;
   run_.by_operator = request != 0;
   run_.held = false;
+  told_ = live_.front()->measurement().state();  // a newborn one is idle, whatever was shown before
   ++run_.number;
   tap_.begin(newest_ns_);
   Record record = edge_of_run(RunEdge::begins, newest_ns_);

@@ -48,7 +48,7 @@ record::Result<void> may_have_name(const std::string& path) {
   const std::filesystem::path name(path), folder = name.has_parent_path() ? name.parent_path() : ".";
   std::error_code none;
   if (const std::string what = record::kept_by_service(name.filename().string());
-      !what.empty() && std::filesystem::exists(folder / "ledger.dwell-ledger", none))
+      !what.empty() && std::filesystem::exists(record::ledger_in(folder.string()), none))
     return refuse(path, "has the name of " + what);
   return {};
 }

@@ -320,9 +320,9 @@ export class TracesView {
     return isNumber(this.#origin_ms) ? `${new Date(this.#origin_ms + 1e3 * t_s).toISOString().slice(11, 23)} UTC` : '';
   }
 
-  #toDraw = () => this.#draw(); // one and the same at each call
+  #drawing = () => this.#draw(); // one function object: inNextPicture() tells drawings apart by identity
   #redraw() {
-    inNextPicture(this.#toDraw);
+    inNextPicture(this.#drawing);
   }
   #draw() {
     setText($('trace-pause'), this.#live ? 'Pause' : 'Live');

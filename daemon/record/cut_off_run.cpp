@@ -37,7 +37,7 @@ bool are_two_files(const std::string& a, const std::string& b) {
 }
 
 Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory) {
-  const auto book = read_book(directory + "/ledger.dwell-ledger");
+  const auto book = read_book(ledger_in(directory));
   if (!book) return tl::unexpected(book.error());
   std::vector<std::int64_t> runs;
   for (const auto& [number, run] : book->runs())

@@ -1,6 +1,7 @@
 #include "daemon/record/file_name.hpp"
 
 #include <charconv>
+#include <filesystem>
 
 #include "daemon/record/disk_reserve.hpp"
 
@@ -14,6 +15,10 @@ bool is_tame(char c) {
 }
 
 }  // namespace
+
+std::string ledger_in(const std::string& directory) {
+  return (std::filesystem::path(directory) / "ledger.dwell-ledger").string();
+}
 
 std::string tame(std::string_view text) {
   std::string name;

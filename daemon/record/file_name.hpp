@@ -1,4 +1,5 @@
-// Names of run files: RIG-RUN-UTC.dwell, for instance "suspension-bench-2-17-20261123T031217Z.dwell".
+// Names in a recording directory. A run file's is RIG-RUN-UTC.dwell, for instance
+// "suspension-bench-2-17-20261123T031217Z.dwell".
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,9 @@ namespace dwell::record {
 inline constexpr std::string_view kRunSuffix = ".dwell";
 // A file NAME.dwell.keep beside NAME.dwell protects it: retention never deletes it.
 inline constexpr std::string_view kKeepSuffix = ".keep";
+
+// The ledger in a recording directory.
+[[nodiscard]] std::string ledger_in(const std::string& directory);
 
 // Keeps letters, digits, "." and "_" of `text`; makes each sequence of other characters one "-". At most 64 bytes,
 // neither empty nor hidden.

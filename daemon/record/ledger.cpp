@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/file_name.hpp"
 #include "daemon/record/ledger_book.hpp"
 #include "daemon/record/random_id.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -80,7 +81,7 @@ Ledger::~Ledger() = default;
 
 Result<Ledger> Ledger::open(const std::string& directory, const SigningKey& key) {
   auto impl = std::make_unique<Impl>();
-  impl->path = (std::filesystem::path(directory) / "ledger.dwell-ledger").string();
+  impl->path = ledger_in(directory);
   if (std::filesystem::exists(impl->path)) {
     Result<LedgerBook> book = read_book(impl->path);
     if (!book) return fails(std::move(book.error()));

@@ -16,7 +16,7 @@ namespace dwell::record {
 // before.
 class Ledger {
  public:
-  // `directory`/ledger.dwell-ledger, made where there is none.
+  // ledger_in(directory), made where there is none.
   [[nodiscard]] static Result<Ledger> open(const std::string& directory, const SigningKey& key);
   Ledger(Ledger&&) noexcept;
   Ledger& operator=(Ledger&&) noexcept;

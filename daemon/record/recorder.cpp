@@ -110,8 +110,9 @@ struct Recorder::Impl {
   std::condition_variable wake;
   bool stop = false;
   RecorderState state;
-  std::vector<Entering> signatures;  // for the ledger
-  std::promise<void> first_file;     // made, or it cannot be
+  std::vector<Entering> signatures;     // for the ledger
+  std::promise<void> first_file_tried;  // set once the first file is made, or cannot be
+  const std::shared_future<void> first_file = first_file_tried.get_future().share();
   std::thread thread;
 
   void finish() {
@@ -127,7 +128,7 @@ struct Recorder::Impl {
     pthread_setname_np(pthread_self(), "recorder");
     turn({raw_now_ns(), utc_now_ns()});
     folder.settle();
-    first_file.set_value();
+    first_file_tried.set_value();
     for (bool last = false; !last;) {
       {
         std::unique_lock lock(mutex);
@@ -278,7 +279,9 @@ Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& sig
   return done.get();
 }
 
-void Recorder::await_first_file(std::chrono::milliseconds limit) { impl_->first_file.get_future().wait_for(limit); }
+bool Recorder::await_first_file(std::chrono::milliseconds limit) const {
+  return impl_->first_file.wait_for(limit) == std::future_status::ready;
+}
 void Recorder::finish() { impl_->finish(); }
 
 bool Recorder::take_restart() noexcept { return impl_->restart.exchange(false, std::memory_order_relaxed); }

@@ -80,9 +80,9 @@ class Recorder final : public StreamSink, public RequestSink {
   // lock.
   void event(StoredEvent event);
 
-  // Waits until the file of the first run is made, or why it cannot be is known; so long at most. Data that come before
-  // would be in memory only, for as long as that takes. To be called once.
-  void await_first_file(std::chrono::milliseconds limit);
+  // Waits, at most `limit`, until the first run's file is made or cannot be made; false: neither is known by then. Data
+  // that arrive earlier are in memory only. Thread-safe.
+  [[nodiscard]] bool await_first_file(std::chrono::milliseconds limit) const;
 
   // Writes everything received so far, ends the run, and gives the last anchors up to 5 s to arrive. Afterwards nothing
   // is taken any more. Not thread-safe; may be called again.

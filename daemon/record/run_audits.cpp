@@ -7,6 +7,7 @@
 
 #include "daemon/clock.hpp"
 #include "daemon/record/file_identity.hpp"
+#include "daemon/record/file_name.hpp"
 #include "daemon/record/ledger_check.hpp"
 #include "daemon/record/low_priority.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -133,7 +134,7 @@ struct RunAudits::Shared {
       AuditOptions options;
       options.stop = stopping;
       RunVerdict verdict;
-      if (auto given = ledger.give(options, directory + "/ledger.dwell-ledger", key); given)
+      if (auto given = ledger.give(options, ledger_in(directory), key); given)
         verdict = verdict_on(path, options);
       else
         verdict.why_none = given.error();

@@ -53,7 +53,8 @@ struct RunFolder::Impl {
   std::optional<CutOffRun> cut_off;
   PreparedRun prepared;
   std::optional<Ledger::Ending> ended;  // the end of the last run, not in the ledger yet
-  bool log_to_merge = false;            // a copy of the ledger's file alone would lack its newest entries
+  bool end_refused = false;             // by the ledger, at the last try
+  bool log_to_merge = false;            // a run has ended since the ledger's log was last moved into its file
   // Of the run that is recorded.
   std::optional<ChainWriter> file;
   std::string name, origin;
@@ -151,11 +152,12 @@ struct RunFolder::Impl {
   Result<void> tell_of_end() {
     if (!ended) return {};
     auto told = signs->ledger.run_ends(*ended);
+    end_refused = !told;
     if (told) ended.reset();
     return told;
   }
 
-  // If the merge fails, the entries stay in the -wal.
+  // A copy of the ledger's file alone would lack the entries in the log. If the merge fails, they stay there.
   void merge_log() {
     log_to_merge = false;
     disk_jobs.start([ledger = &signs->ledger]() -> Result<void> {
@@ -292,7 +294,8 @@ Result<void> RunFolder::write(std::span<const NewEntry> batch) {
   return written;
 }
 
-// The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry.
+// The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry: ready()
+// takes it back only after that.
 Result<void> RunFolder::end(std::span<const NewEntry> last) {
   Impl& self = *impl_;
   self.reserve.release();
@@ -308,6 +311,7 @@ Result<void> RunFolder::end(std::span<const NewEntry> last) {
     });
   self.file.reset();
   self.name.clear();
+  self.end_refused = false;
   self.log_to_merge = true;
   return written;
 }
@@ -322,7 +326,7 @@ void RunFolder::settle() {
 std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
 std::vector<EndedRunFile> RunFolder::take_ended() {
-  if (impl_->ended) return {};
+  if (impl_->ended && !impl_->end_refused) return {};
   return std::exchange(impl_->ended_files, {});
 }
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }

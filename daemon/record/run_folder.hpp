@@ -48,8 +48,8 @@ class RunFolder final : public RunStore {
   // The public key of the one with which the service signs. The folder must be open.
   [[nodiscard]] const PublicKey& key() const noexcept;
 
-  // Does one thing at a time of what the last run's end has left, so that a run that begins meanwhile waits for no more
-  // than that: first the ledger's entry, then its log moves into its file, in the background.
+  // After a run's end there is work left: the ledger's entry, then moving the ledger's log into its file (in the
+  // background). Each call does one of the two, so a run that begins waits for one at most.
   [[nodiscard]] Result<void> ready() override;
   [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;
   [[nodiscard]] Result<void> write(std::span<const NewEntry> batch) override;
@@ -59,8 +59,8 @@ class RunFolder final : public RunStore {
   // Ready when the files of all ended runs are closed. Until then others should leave them alone. Not valid: no run has
   // ended.
   [[nodiscard]] std::shared_future<void> closed() const;
-  // Does all that ready() would do, and waits for all background work: files that are being closed, and the next file
-  // that is being made.
+  // Does the rest of this work, and waits for all background work: files that are being closed, and the next file that
+  // is being made.
   void settle();
   // The failures of background work since the last call, one sentence each.
   [[nodiscard]] std::vector<std::string> take_failures();
@@ -68,7 +68,8 @@ class RunFolder final : public RunStore {
   // Most ended runs that are kept until they are taken; older ones are forgotten, and listed when the service starts
   // again. Their anchors fit into the pipe of deliver_anchor().
   static constexpr std::size_t kMostEnded = 256;
-  // The runs that have ended since the last call, in their order, once the ledger has their ends. No disk.
+  // The runs that have ended since the last call, in their order, once the ledger has their ends or has refused one.
+  // No disk.
   [[nodiscard]] std::vector<EndedRunFile> take_ended();
 
   // The run that open() found cut off, once.

@@ -59,7 +59,7 @@ void RunLog::set_clock(const ClockPair& now) {
 }
 
 void RunLog::record(const Record& record) {
-  if (!last_.empty() && record.kind != Kind::run) write(std::exchange(last_, {}));
+  if (!last_.empty() && record.kind != Kind::run) close(take_notes(run_->last_t_ns), run_->ending);
   if (cutter_.is_due_before(record)) cut();
   cutter_.add(record);
   if (run_ && run_->ending.empty()) told_by_stream_.take(record, cutter_.number() + 1 - run_->born);

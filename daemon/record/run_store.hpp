@@ -33,7 +33,7 @@ class RunStore {
   [[nodiscard]] virtual Result<void> write(std::span<const NewEntry> batch) = 0;
   // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, these entries
   // are not written, and the file stays cut off. In any case there is no run afterwards. What need not be done at once
-  // is left to ready(), or to begin() if that comes before.
+  // is left to ready() or begin().
   [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last) = 0;
 };
 

@@ -51,8 +51,8 @@ class StreamSink {
   // The next record of the stream, RunEdge records among them, before the pipeline takes it. Real-time safe: never
   // waits, never allocates.
   virtual void record(const Record& record) noexcept = 0;
-  // A dwell of the current run, as it was right after record `position`. final: it ended there. Between RunEdge::ends
-  // and the next RunEdge::begins only finals come, of the run that has just ended and at the position of its end. Never
+  // A dwell of the current run, as it was right after record `position`. final: it ended there. From RunEdge::ends
+  // to the next RunEdge::begins only finals come, of the run that has just ended and at the position of its end. Never
   // waits.
   virtual void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) = 0;
   // Published after record `position` of the current run. That position depends on the processor's time, so a replay

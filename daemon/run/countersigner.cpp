@@ -16,6 +16,7 @@
 
 #include "daemon/clock.hpp"
 #include "daemon/record/audit.hpp"
+#include "daemon/record/file_name.hpp"
 #include "daemon/record/key_file.hpp"
 #include "daemon/record/ledger_book.hpp"
 #include "daemon/record/ledger_check.hpp"
@@ -192,7 +193,7 @@ record::Result<Signed> Countersigner::sign(const SignRequest& request, const std
   words.utc = record::iso_utc(utc_now_ns());
   const auto header = header_of(path);
   if (!header) return fail(header.error());
-  const auto book = record::read_book(directory_ + "/ledger.dwell-ledger");
+  const auto book = record::read_book(record::ledger_in(directory_));
   if (!book) return fail(book.error());
   if (const auto known = is_file_of_run(path, *header, *book); !known) return fail(known.error());
   // The key is read each time: the recorder makes it, and it may change.
@@ -208,7 +209,7 @@ record::Result<Signed> Countersigner::sign(const SignRequest& request, const std
 // The audit verifies the signatures, and that the file is the run that the ledger knows by its number.
 record::Result<Signed> Countersigner::enter(const std::string& path) const {
   record::AuditOptions options;
-  options.ledger = directory_ + "/ledger.dwell-ledger";
+  options.ledger = record::ledger_in(directory_);
   options.stop = [this] {
     const std::lock_guard lock(mutex_);
     return stopping_;

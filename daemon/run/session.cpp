@@ -15,10 +15,10 @@
 namespace dwell {
 namespace {
 
-// Measuring waits so long for the recorder to open its directory: some ten waits for the disk, 5 s if each takes 0.5 s.
-// Halved, a run that begins at once may lose more than 2 s there. Doubled, a disk that hangs delays measuring by so
-// much.
-constexpr std::chrono::seconds kRecorderOpens{5};
+// Longest delay of measuring while the recorder makes its first file. That takes about ten waits for the disk: 5 s at
+// 0.5 s each. Halved: on such a disk a run that begins at once may lose more than 2 s. Doubled: a disk that hangs
+// delays measuring by 10 s.
+constexpr std::chrono::seconds kFirstFileLimit{5};
 constexpr std::chrono::seconds kStopWithin{1};  // the interface asks for half of that
 constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
 // A disk may hold the recorder up for so long: its buffer lasts longer. Beyond this the health reports it.
@@ -85,7 +85,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
 }
 
 tl::expected<void, std::string> Session::start() {
-  if (impl_->recorder) impl_->recorder->await_first_file(kRecorderOpens);
+  if (impl_->recorder && !impl_->recorder->await_first_file(kFirstFileLimit))
+    impl_->log.warning("recording: the disk has not answered for 5 s; measuring begins before the first file is made");
   impl_->run->start();
   for (const auto& device : impl_->devices) {
     if (auto started = device->start(); !started) return started;

@@ -66,7 +66,7 @@ const std::vector<std::string_view>& PageFiles::names() {
       "budget.mjs",
       "polar.mjs",
       "dom.mjs",
-      "pictures.mjs",  // when it is drawn
+      "pictures.mjs",  // when pictures are drawn
       "head_view.mjs",
       "coefficients_view.mjs",
       "phasors_view.mjs",

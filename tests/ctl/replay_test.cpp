@@ -1,4 +1,5 @@
 // `dwellctl replay` on run files of simulated rigs.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -13,12 +14,21 @@ namespace {
 TEST(Replay, GivesEveryPublishedResultAgainToTheBit) {
   const test::TemporaryFolder folder;
   constexpr int kRigs = draws(40, 8);
-  int finals = 0, settled = 0;
+  std::ptrdiff_t finals = 0, settled = 0, changes = 0;
   for (std::uint64_t seed = 1; seed <= kRigs; ++seed) {
     std::mt19937_64 rng(seed);
     const SimulatedRig rig = SimulatedRig::random(rng);
     const std::string file = folder.path(std::to_string(seed) + ".dwell");
-    const auto written = test::write_run(file, rig.rig_text(), test::eventful_stream(rig, rng));
+    const std::vector<Record> stream = test::eventful_stream(rig, rng);
+    const auto written = test::write_run(file, rig.rig_text(), stream);
+    const auto begins_at = static_cast<std::uint64_t>(
+        1 + std::distance(stream.begin(), std::find_if(stream.begin(), stream.end(), [](const Record& record) {
+                            return record.kind == Kind::run &&
+                                   record.flags == static_cast<std::uint8_t>(RunEdge::begins);
+                          })));
+    const auto states = std::count_if(written.states.begin(), written.states.end(), [&](std::uint64_t position) {
+      return position > begins_at + 1 && position < stream.size();
+    });
     const Printed seen = replayed(file);
     const Value answer = seen.json();
     ASSERT_EQ(seen.code, kDone) << seed << "\n" << answer["differences"].dump(1).substr(0, 2000) << seen.err;
@@ -26,13 +36,15 @@ TEST(Replay, GivesEveryPublishedResultAgainToTheBit) {
     EXPECT_EQ(answer["same_origin"], true);
     EXPECT_EQ(answer["compared"]["results"], written.results + written.finals);
     EXPECT_EQ(answer["compared"]["finals"], written.finals);
-    EXPECT_GT(answer["compared"]["events"], 0) << "changes of state";
+    EXPECT_EQ(answer["compared"]["events"], states);
+    changes += states;
     EXPECT_EQ(answer["dwells"].size(), static_cast<std::size_t>(written.finals));
     EXPECT_GT(answer["compared"]["numbers"].get<int>(), 20 * written.results);
     EXPECT_TRUE(answer["notes"].empty());
     finals += written.finals;
     settled += written.settled;
   }
+  EXPECT_GT(changes, 2 * kRigs);
   EXPECT_GT(finals, 3 * kRigs / 2) << "the streams hold too little";
   EXPECT_GT(settled, kRigs);
 }
@@ -121,13 +133,14 @@ TEST_F(ReplayTest, NamesATextAMemberAndAResultThatAreOthers) {
 TEST_F(ReplayTest, NamesAChangeOfStateThatIsGoneOrAnotherOrElsewhere) {
   const auto change = [&](const std::function<bool(record::StoredEvent&)>& to) {
     std::filesystem::remove(folder.path("changed.dwell"));
-    return replayed(write("changed.dwell", {.state = [&to](record::StoredEvent& event) {
+    return replayed(write("changed.dwell", {.state_event = [&to](record::StoredEvent& event) {
                             return event.text.find("-> idle") == std::string::npos || to(event);
                           }}));
   };
   const Printed same = change([](record::StoredEvent&) { return true; });
   EXPECT_EQ(same.code, kDone) << same.out;
-  EXPECT_EQ(same.json()["compared"]["events"], 2) << "settling again, then idle; the first two came before the run began";
+  EXPECT_EQ(same.json()["compared"]["events"], 2)
+      << "settling again, then idle; the first two came before the run began";
   const Printed gone = change([](record::StoredEvent&) { return false; });
   EXPECT_EQ(gone.code, kNo);
   ASSERT_EQ(gone.json()["differences"].size(), 1U);

@@ -205,8 +205,8 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     change.position = position;
     change.what = "state";
     change.text = state_line(event.before, *event.dwell);
-    if (changes.state && !changes.state(change)) return;
-    ++run.states;
+    run.states.push_back(position);
+    if (changes.state_event && !changes.state_event(change)) return;
     states.push_back(std::move(change));
   });
   std::vector<Record> block;

@@ -67,8 +67,8 @@ class StreamBuilder {
 // What may be done to a run file on its way to the disk.
 struct Changes {
   std::function<void(record::RunHeader&)> header = {};
-  std::function<bool(record::StoredResult&)> result = {};  // false: it is left out
-  std::function<bool(record::StoredEvent&)> state = {};    // likewise, of a change of state
+  std::function<bool(record::StoredResult&)> result = {};      // false: it is left out
+  std::function<bool(record::StoredEvent&)> state_event = {};  // likewise, of a change of state
   bool without_end = false;
   double every_s = 0.25;  // between two results, on the stream
   bool commits = false;   // each block is committed and signed by itself, as the service does; else all at once
@@ -77,9 +77,9 @@ struct Changes {
 struct WrittenRun {
   record::RunHeader header;
   int results = 0, finals = 0;
-  int settled = 0;  // finals with coefficients
-  int states = 0;   // changes of state
-  int busy = 0;     // records at which a result was due and long work was going on
+  int settled = 0;                    // finals with coefficients
+  std::vector<std::uint64_t> states;  // positions of the changes of state
+  int busy = 0;                       // records at which a result was due and long work was going on
 };
 // Writes the run at `path`.
 WrittenRun write_run(const std::string& path, const std::string& rig_text, const std::vector<Record>& stream,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -20,16 +21,16 @@ struct CollectingSink final : record::StreamSink {
     std::size_t after;  // records of the session so far
   };
   struct Change {
-    State after;
+    State before, after;
     std::size_t behind;  // records of the session so far
   };
   // A run as a file of it would hold it.
   struct Run {
     std::vector<Record> records;  // from the birth of its pipeline to its end
     std::vector<Result> results;
-    std::vector<std::pair<std::uint64_t, State>> states;  // changes while it went on: position, new state
-    State at_begin = State::idle;                         // told last before
-    std::size_t begins = 0;                               // index into records of RunEdge::begins
+    // Changes while it went on: position, the state before and after.
+    std::vector<std::tuple<std::uint64_t, State, State>> states;
+    std::size_t begins = 0;  // index into records of RunEdge::begins
     bool ended = false;
   };
 
@@ -42,8 +43,8 @@ struct CollectingSink final : record::StreamSink {
     models.emplace_back(position, std::move(result));
   }
 
-  void state(const record::StateChange& /*change*/, std::shared_ptr<const Dwell> after) override {
-    states.push_back({after->state, records.size()});
+  void state(const record::StateChange& change, std::shared_ptr<const Dwell> after) override {
+    states.push_back({change.before, after->state, records.size()});
   }
 
   static bool is(const Record& record, RunEdge edge) {
@@ -64,10 +65,8 @@ struct CollectingSink final : record::StreamSink {
       for (; result < results.size() && results[result].after <= end + 1; ++result)
         run.results.push_back(results[result]);
       for (const Change& change : states)
-        if (change.behind <= i) run.at_begin = change.after;
-      for (const Change& change : states)
         if (change.behind > i && change.behind <= end)
-          run.states.emplace_back(change.behind - (i - run.begins), change.after);
+          run.states.emplace_back(change.behind - (i - run.begins), change.before, change.after);
       found.push_back(std::move(run));
     }
     return found;

@@ -27,14 +27,14 @@ struct Covered {
 // Feeds the run to a new pipeline and compares each result at its position.
 void replay(const Rig& rig, const CollectingSink::Run& run, Covered& covered) {
   std::vector<std::shared_ptr<const Dwell>> ended;
-  std::vector<std::pair<std::uint64_t, State>> states;
+  std::vector<std::tuple<std::uint64_t, State, State>> states;
   std::uint64_t position = 0;
-  State shown = run.at_begin;  // the pipeline before may have told it
+  State shown = State::idle;
   Measurement again(rig, KeptDwells(1000, 100'000'000), [&](const RunEvent& event) {
-    if (event.kind == RunEvent::Kind::dwell_finished)
-      ended.push_back(event.dwell);
-    else if (position > run.begins + 1 && position < run.records.size() && event.dwell->state != shown)
-      states.emplace_back(position, shown = event.dwell->state);
+    if (event.kind == RunEvent::Kind::dwell_finished) return ended.push_back(event.dwell);
+    const State before = std::exchange(shown, event.dwell->state);
+    if (before != shown && position > run.begins + 1 && position < run.records.size())
+      states.emplace_back(position, before, shown);
   });
   std::size_t next = 0, told = 0;
   bool finished = false;
@@ -46,6 +46,7 @@ void replay(const Rig& rig, const CollectingSink::Run& run, Covered& covered) {
       const CollectingSink::Result& stored = run.results[next];
       if (stored.final && told == ended.size() && i + 1 == run.records.size() && !std::exchange(finished, true))
         again.finish();
+      ASSERT_TRUE(stored.final || i + 1 < run.records.size()) << "at the end dwells have ended";
       ASSERT_TRUE(stored.final ? told < ended.size() : !again.busy()) << "at position " << i + 1;
       const Dwell& dwell = stored.final ? *ended[told++] : again.current();
       ASSERT_EQ(DwellBits::of(dwell), DwellBits::of(*stored.dwell)) << "at position " << i + 1;
@@ -141,6 +142,40 @@ TEST(RunReplay, ItsRecordsGiveItsResultsAgainWhateverHappens) {
   EXPECT_GT(covered.by_operator, kSessions / 2);
   EXPECT_GT(covered.reaching_back, kSessions / 4);
   EXPECT_GT(covered.states, 2 * kSessions);
+}
+
+// A result may be due between the last sample and the request to stop.
+TEST(RunReplay, OfRunsThatAnOperatorStopsBetweenTwoSamples) {
+  Covered covered;
+  SimulatedSession session({Boundary::free, {5.0}, {20'000.0}, {60.0}}, 5.0, 1e-6, 2, 1, true, nullptr, 0.002);
+  session.drive(2e-3);
+  std::uint16_t request = 0;
+  for (int run = 0; run < 20; ++run) {
+    (void)session.estimator->begin_run(++request);
+    session.go_on(0.5 + 0.0013 * run);
+    (void)session.estimator->end_run(++request);
+    session.go_on(0.02);
+  }
+  session.finish();
+  replay_all(session, covered);
+  EXPECT_EQ(covered.by_operator, 20U);
+}
+
+// The pipeline before it has seen the fault, its own has not.
+TEST(RunReplay, OfARunThatBeginsAtAFault) {
+  Covered covered;
+  SimulatedSession session({Boundary::free, {5.0}, {20'000.0}, {60.0}}, 5.0, 1e-6, 2, 1);
+  session.go_on(3.0);
+  session.silence(0);
+  session.go_on(5.0);
+  EXPECT_EQ(session.latest().dwell.state, State::fault);
+  (void)session.estimator->begin_run(1);
+  session.go_on(5.0);
+  session.finish();
+  ASSERT_FALSE(session.sink.runs().back().states.empty());
+  EXPECT_EQ(std::get<1>(session.sink.runs().back().states.front()), State::idle);
+  EXPECT_EQ(std::get<2>(session.sink.runs().back().states.front()), State::fault);
+  replay_all(session, covered);
 }
 
 // A rig so large that its fits take many pushes: results wait for the work, and a stop ends it at once.

@@ -24,7 +24,7 @@ class SimulatedSession {
 
   // Scanned so many times a turn of 10 ms.
   SimulatedSession(const Chain& chain, double drive_hz, double noise, int scans, std::uint64_t seed,
-                   bool bracketed = true, std::shared_ptr<LongWork> work = nullptr)
+                   bool bracketed = true, std::shared_ptr<LongWork> work = nullptr, double every_s = 1.0)
       : rig(rig_of(chain, drive_hz)),
         motion_(chain, {drive_hz, 0.0, 0.0, 0.0}, DrivenChain::Start::rest),
         drive_hz_(drive_hz),
@@ -47,7 +47,7 @@ class SimulatedSession {
     EstimatorOptions options;
     options.gpio = &lines;
     options.long_work = std::move(work);
-    options.runs = {bracketed, &sink, 1.0, false};
+    options.runs = {bracketed, &sink, every_s, false};
     estimator.emplace(
         rig, std::vector<DeviceFeed>{{&*link_, "modbus", 100.0 * scans, false}}, options, *log_, [] {}, now_ns);
   }

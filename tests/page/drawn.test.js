@@ -4,7 +4,7 @@ import { after, before, test } from 'node:test';
 import { openBrowser } from './bench.js';
 import { dwellOf } from './sample.js';
 import { ScriptedService } from './scripted.js';
-import { openTold } from './told.js';
+import { openScripted } from './scripted_page.js';
 
 let browser;
 let service;
@@ -15,7 +15,7 @@ after(async () => {
   await Promise.all([browser?.close(), service?.end()]);
 });
 
-const open = (dwell, health) => openTold(browser, service, { dwell, health });
+const open = (dwell, health) => openScripted(browser, service, { dwell, health });
 
 // By hand. The largest amplitude, 4 mm, is 100 in the picture. So y1 has 50 at 30°: x = 43.30, and y = −25, since y points
 // down. Its u are 0.1 mm along the arrow, 2.5 in the picture, and 0.02 rad · 50 = 1 across it. With e = (cos 30°, −sin 30°)
@@ -26,8 +26,8 @@ const COVARIANCE = { xx: 4.9375, yy: 2.3125, xy: -2.27332 };
 test('the ellipse of a phasor is where its correlated uncertainty puts it: 2.45 standard uncertainties around its end', async () => {
   const phasor = (channel, amplitude, phase_rad, u_amplitude, u_relative_phase_rad) =>
     ({ channel, unit: 'm', valid: true, mean: 0, harmonics: [], amplitude, phase_rad, u_amplitude, u_relative_phase_rad });
-  const told = await open(dwellOf({ phasors: [phasor('y0', 4e-3, 0.4, 1e-5, 0), phasor('y1', 2e-3, 0.4 + Math.PI / 6, 1e-4, 0.02)] }));
-  const { page } = told;
+  const shown = await open(dwellOf({ phasors: [phasor('y0', 4e-3, 0.4, 1e-5, 0), phasor('y1', 2e-3, 0.4 + Math.PI / 6, 1e-4, 0.02)] }));
+  const { page } = shown;
   await page.locator('#arrows .arrow').nth(1).waitFor();
   const [middle, ...points] = await page.evaluate(() => {
     const ellipse = document.querySelectorAll('#arrows .ellipse')[1];
@@ -47,17 +47,17 @@ test('the ellipse of a phasor is where its correlated uncertainty puts it: 2.45 
     assert.ok(Math.abs(distance - 2.45) < 0.02, `${distance} u at ${x}, ${y}`);
   }
   assert.equal(await page.locator('#arrows .ellipse').nth(1).isVisible(), true);
-  await told.close();
+  await shown.close();
 });
 
 test('each device has its driver, whether it delivers, and its faults', async () => {
   const device = (name, more) => ({ name, driver: 'modbus', up: true, ended: false, faults: {}, ...more });
-  const told = await open(dwellOf(), { devices: [device('amplifier', { faults: { timeout: 1234, 'missed deadline': 5 } }),
+  const shown = await open(dwellOf(), { devices: [device('amplifier', { faults: { timeout: 1234, 'missed deadline': 5 } }),
     device('bus', { driver: 'can', up: false }), device('tape', { driver: 'replay', up: false, ended: true })] });
-  const { page } = told;
+  const { page } = shown;
   await page.locator('#device-rows tr').nth(2).waitFor();
   const rows = await page.locator('#device-rows tr').evaluateAll((all) => all.map((row) => [row.dataset.tone, ...[...row.children].map((cell) => cell.innerText)]));
   assert.deepEqual(rows, [['calm', 'amplifier', 'modbus', 'delivers', 'timeout: 1\u202f234, missed deadline: 5'],
     ['alarm', '▲ bus', 'can', 'does not deliver', 'none'], ['calm', 'tape', 'replay', 'recording ended', 'none']]);
-  await told.close();
+  await shown.close();
 });

@@ -28,7 +28,7 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
     await page.goto(`${bench.url}/${query}`);
     await page.waitForSelector('#state[data-kind=measuring]');
     await page.waitForSelector('.arrow');
-    // What a loaded machine's warnings take the wall's room from is named at the foot.
+    // On a loaded machine warnings may take the traces' room; then the note at the foot names the traces.
     await page.waitForFunction(() => document.querySelector('#traces:not([hidden], .beyond)') ||
       / traces/.test(document.querySelector('#beyond:not([hidden])')?.textContent));
     await check(page, `long-names-${size}`);

@@ -6,7 +6,7 @@ import { check } from './accessible.js';
 import { openBrowser, SIZES, until } from './bench.js';
 import { dwellOf, warningOf } from './sample.js';
 import { ScriptedService } from './scripted.js';
-import { openTold } from './told.js';
+import { openScripted } from './scripted_page.js';
 
 let browser;
 let service;
@@ -17,7 +17,7 @@ after(async () => {
   await Promise.all([browser?.close(), service?.end()]);
 });
 
-// Of a chain with so many elements that is clamped at its end.
+// Channels of a clamped chain with this many elements.
 const channelsOf = (elements) => [...Array.from({ length: elements }, (_, i) => `y${i}`), 'reaction'];
 function measured(elements, changes = {}) {
   const element = dwellOf().elements[0];
@@ -25,19 +25,19 @@ function measured(elements, changes = {}) {
     phasors: channelsOf(elements).map((channel, c) => ({ channel, unit: channel === 'reaction' ? 'N' : 'm', valid: true, mean: 1e-3, harmonics: [2e-3, 7e-4],
       amplitude: 5e-3, phase_rad: 0.3 * c, u_amplitude: 1e-6, u_relative_phase_rad: 1e-4 })), ...changes });
 }
-// It is told again and again: told.dwell may be set anew.
+// It is told again and again: shown.dwell may be set anew.
 async function open(dwell) {
-  const told = await openTold(browser, service, { dwell, traced: channelsOf(dwell.elements.length), size: 'wall', query: '?kiosk',
+  const shown = await openScripted(browser, service, { dwell, traced: channelsOf(dwell.elements.length), size: 'wall', query: '?kiosk',
     rights: { read: true, change: false, token: true }, options: { bypassCSP: true } });
-  await told.page.waitForSelector('.element');
-  return told;
+  await shown.page.waitForSelector('.element');
+  return shown;
 }
 const withheld = (k, reason) => ({ k, identifiable: false, budget: [], reason });
 
 // The note said that there was no room for element 4, which it covered itself.
 test('where the note at the foot would cover an element of a wall display, the elements are set closer', async () => {
-  const told = await open(measured(4));
-  const { page } = told;
+  const shown = await open(measured(4));
+  const { page } = shown;
   await page.waitForSelector('#traces:not([hidden])');
   assert.equal(await page.locator('html.compact').count(), 0);
   await page.evaluate(() => {
@@ -47,46 +47,47 @@ test('where the note at the foot would cover an element of a wall display, the e
   await page.waitForSelector('html.compact, #beyond:not([hidden])');
   assert.equal(await page.locator('html.compact').count(), 1);
   assert.doesNotMatch(await page.locator('#beyond').innerText(), /element/); // nothing where the note is hidden
-  await told.close();
+  await shown.close();
 });
 
-// At 1280 × 1024 of a rig with more to say the upper third of the strip showed above the note that there was no room for traces.
+// At 1280 × 1024 the upper third of the strip showed above the note that there was no room for traces.
 test('a wall display says that it has no room for traces exactly where none are seen', async () => {
-  const told = await open(measured(4));
-  const { page } = told;
-  await page.waitForSelector('#traces:not([hidden])');
+  const more = Array.from({ length: 4 }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }));
+  const shown = await open(measured(4, warningOf(more)));
+  const { page } = shown;
+  await page.waitForSelector('#traces', { state: 'attached' });
   const seen = () => page.evaluate(() => {
     const [note, strip] = ['beyond', 'trace-plot'].map((id) => document.getElementById(id));
     return { named: !note.hidden && note.innerText.includes('traces'), seen: getComputedStyle(strip).visibility === 'visible',
       whole: strip.getBoundingClientRect().bottom <= (note.hidden ? window.innerHeight : note.getBoundingClientRect().top + 0.5) };
   });
-  for (const [width, height, room] of [[1920, 1080, true], [1440, 900, false], [1280, 720, true]]) { // the last with its elements set closer
+  for (const [width, height, room] of [[1920, 1080, true], [1280, 1024, false], [1440, 900, false]]) {
     await page.setViewportSize({ width, height });
     // The note is looked at once a second.
     await until(async () => JSON.stringify(await seen()) === JSON.stringify({ named: !room, seen: room, whole: room }));
   }
-  await told.close();
+  await shown.close();
 });
 
 test('the elements of a wall display are set closer for as long as warnings take their room', async () => {
-  const told = await open(measured(4));
+  const shown = await open(measured(4));
   const reason = 'y2 is stuck: its reading has not changed for 2.4 s, 480 readings, while the others move; what depends on it is withheld';
   const warned = measured(4, warningOf(Array.from({ length: 12 }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }))));
   warned.elements = warned.elements.map((element) => (element.k === 1 ? element : withheld(element.k, reason)));
-  await told.page.waitForFunction(() => !document.documentElement.classList.contains('compact'));
-  const dwell = told.dwell;
-  told.dwell = warned;
-  await told.page.waitForSelector('html.compact');
-  await told.page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
-  told.dwell = dwell;
-  await told.page.waitForFunction(() => !document.documentElement.classList.contains('compact'));
-  await told.close();
+  await shown.page.waitForFunction(() => !document.documentElement.classList.contains('compact'));
+  const dwell = shown.dwell;
+  shown.dwell = warned;
+  await shown.page.waitForSelector('html.compact');
+  await shown.page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
+  shown.dwell = dwell;
+  await shown.page.waitForFunction(() => !document.documentElement.classList.contains('compact'));
+  await shown.close();
 });
 
 // The second alarm was readable nowhere: the head has the first one, and the list is below the screen.
 test('alarms that find no room on a wall display are named at its foot, and no text of the head ends without a mark', async () => {
-  const told = await open(measured(4));
-  const { page } = told;
+  const shown = await open(measured(4));
+  const { page } = shown;
   await page.setViewportSize({ width: 1280, height: 1024 });
   const now = new Date().toISOString();
   const alarm = (name, text) => ({ name, text, state: 'unacknowledged', since: now, changed: now, count: 1, acknowledged_by: null, comment: null });
@@ -103,12 +104,12 @@ test('alarms that find no room on a wall display are named at its foot, and no t
   alarms = [alarm('limit:stiffness:2', `${limit}; `.repeat(3)), ...alarms.slice(1)];
   await page.locator('#beyond', { hasText: /, alarms “limit:stiffness:2”, “channel:y3”$/ }).waitFor();
   assert.deepEqual(await cut(), { cut: true, mark: true });
-  await told.close();
+  await shown.close();
 });
 
 test('thirteen elements fit on a wall display', async () => {
-  const told = await open(measured(13));
-  const { page } = told;
+  const shown = await open(measured(13));
+  const { page } = shown;
   await page.waitForSelector('#traces:not([hidden])');
   // All 26 numbers are on the screen, and none reaches into its neighbour.
   await page.waitForFunction(() => {
@@ -117,14 +118,14 @@ test('thirteen elements fit on a wall display', async () => {
       numbers.every((n) => n.getBoundingClientRect().right <= n.closest('.coefficient').getBoundingClientRect().right + 1);
   });
   await check(page, 'many-wall');
-  await told.close();
+  await shown.close();
 });
 
 test('thirty elements, all withheld: each is named on a wall display, a longer reason ends with …, what has no room is told', async () => {
   const rest = Array.from({ length: 30 }, (_, i) => withheld(i + 1,
     `the deformation (${i}.2 µm) is less than three times its uncertainty: drive it harder, or nearer to a resonance in which it deforms`));
-  const told = await open(dwellOf({ elements: rest, phasors: [] }));
-  const { page } = told;
+  const shown = await open(dwellOf({ elements: rest, phasors: [] }));
+  const { page } = shown;
   await page.waitForFunction(() => document.querySelectorAll('.element').length === 30);
   await page.waitForSelector('html.compact');
   const boxes = () => page.evaluate(() => [...document.querySelectorAll('.element')].map((e) => {
@@ -139,8 +140,8 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
   });
   if (process.env.DWELL_PICTURES) await page.screenshot({ path: join(process.env.DWELL_PICTURES, 'withheld-wall.png') });
   const warnings = Array.from({ length: 30 }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }));
-  told.dwell = { ...told.dwell, ...warningOf(warnings) };
+  shown.dwell = { ...shown.dwell, ...warningOf(warnings) };
   await page.locator('#beyond', { hasText: /^▼ no room here for: warnings of the dwell/ }).waitFor();
-  await told.close();
+  await shown.close();
 });
 
