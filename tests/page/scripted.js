@@ -20,7 +20,7 @@ const DWELL_S = 300;
 const EVENTS = 500;
 const EVENT_S = 10;
 
-// Runs in the browser before the page's own code. Timers, frames and clocks wait for the next step of the stream. An
+// Runs in the browser before the page's own code. Intervals, frames and clocks wait for the next step of the stream. An
 // interval that is due several times in a step comes once, as in a busy browser.
 function inBrowser([beginsMs, stepMs]) {
   let now = 0;
@@ -28,10 +28,7 @@ function inBrowser([beginsMs, stepMs]) {
   const intervals = [];
   window.performance.now = () => now;
   Date.now = () => beginsMs + now;
-  const soon = window.setTimeout.bind(window);
-  let timers = [];
   window.setInterval = (act, ms) => intervals.push({ act, ms, due: now + ms });
-  window.setTimeout = (act, ms = 0) => timers.push({ act, due: now + ms });
   window.requestAnimationFrame = (act) => frames.push(act);
 
   const asks = new Set();
@@ -43,21 +40,19 @@ function inBrowser([beginsMs, stepMs]) {
     return answer;
   };
   const draw = () => frames.splice(0).forEach((act) => act(now));
-  const turn = () => new Promise((done) => soon(done));
+  const turn = () => new Promise((done) => setTimeout(done));
   async function step() {
-    now += stepMs;
+    now += stepMs / 2;
     for (const interval of intervals) {
       if (interval.due > now) continue;
       interval.due = now + interval.ms;
       interval.act();
     }
-    const over = timers.filter(({ due }) => due <= now);
-    timers = timers.filter(({ due }) => due > now);
-    for (const { act } of over) act();
     // One answer may lead to the next question.
     for (await turn(); asks.size > 0; await turn()) await Promise.allSettled(asks);
     draw();
     draw(); // what the first one asked for
+    now += stepMs / 2; // so that what comes next may be drawn at once: pictures keep a distance (pictures.mjs)
     ask('/taken', { method: 'POST' });
   }
   const Stream = window.EventSource;
