@@ -104,4 +104,9 @@ struct Record {
 };
 static_assert(sizeof(Record) == 32 && std::is_trivially_copyable_v<Record>);
 
+// Whether the record is this edge of a run.
+[[nodiscard]] constexpr bool is_edge(const Record& record, RunEdge edge) noexcept {
+  return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(edge);
+}
+
 }  // namespace dwell

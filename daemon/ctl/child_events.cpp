@@ -40,7 +40,7 @@ std::vector<record::StoredEvent> ChildEvents::follow(const Record& record, const
   newest_ns_ = record.t_ns;
   // A pipeline is born with the states that hold, and a run reaches back to that: its own file does not tell those
   // before it began.
-  if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::begins)) run_began_ = true;
+  if (is_edge(record, RunEdge::begins)) run_began_ = true;
   if (record.kind != Kind::channel_state || run_began_) stream_.take(record, replay.position());
   if (record.t_ns >= drain_ns_) drain(events);
   if (auto change = states_.follow(replay)) {

@@ -104,7 +104,7 @@ record::Result<void> compare_states(std::vector<StoredEvent> replayed, std::uint
   if (!read) return read;
   const std::uint64_t end = run.end() ? run.end()->records : stored.empty() ? 0 : stored.back().position + 1;
   const auto not_compared = [&](const StoredEvent& event) {
-    return event.position <= begins_at + 1 || event.position >= end;
+    return event.position <= begins_at || event.position >= end;
   };
   std::erase_if(stored, not_compared);
   std::erase_if(replayed, not_compared);

@@ -16,10 +16,10 @@ namespace dwell::ctl {
 [[nodiscard]] record::Result<void> compare_events(const std::vector<record::StoredEvent>& replayed,
                                                   record::RunReader& child, ReplayFindings& to);
 
-// Compares the changes of state of a run: position and text. Compared are those after `begins_at` + 1 (before that,
-// another pipeline's state may have been shown) and before the run's last record. begins_at: position of
-// RunEdge::begins. If the run was cut off, the last stored change is the last one compared: a later one may be lost.
-// Adds each difference to `to`, and counts the events. Keeps all changes of state in memory.
+// Compares the changes of state of a run: position and text. Compared are those between RunEdge::begins, at position
+// `begins_at`, and the run's last record. Before, another pipeline's state may have been shown. If the run was cut off,
+// the last stored change is the last one compared: a later one may be lost. Adds each difference to `to`, and counts the
+// events. Keeps all changes of state in memory. Fails where the run cannot be read.
 [[nodiscard]] record::Result<void> compare_states(std::vector<record::StoredEvent> replayed, std::uint64_t begins_at,
                                                   record::RunReader& run, ReplayFindings& to);
 

@@ -26,7 +26,7 @@ class Replay {
     if (!ended_.empty()) ended_.clear();
     state_changed_ = false;
     if (const std::uint8_t change = pipeline_.push(record); change != kNothing) note(change);
-    if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends)) finish();
+    if (is_edge(record, RunEdge::ends)) finish();
   }
   // Takes the samples and ticks that `records` begins with, up to where a dwell may end or the state change. Returns
   // how many; 0: take() must take the next one. Costs less than take().

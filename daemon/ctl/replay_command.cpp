@@ -49,10 +49,6 @@ int cannot_replay(const record::Failure& why, int code = kUsage) {
   return code;
 }
 
-bool is_edge(const Record& record, RunEdge edge) {
-  return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(edge);
-}
-
 // Hands every record to the replay, and then calls after(record), the record as the replay's rig has it. free() says
 // how many samples and ticks it need not be called for. Returns the dwells that ended. If the stream breaks off, the
 // last one ends there.

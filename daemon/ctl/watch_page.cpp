@@ -30,7 +30,7 @@ std::string spread(const std::string& left, const std::string& right, std::size_
 // Whether the numbers are of now: renewed, and of a dwell that goes on.
 bool current(const WatchState& state, double now_s) { return !state.old(now_s) && !state.ended(); }
 
-// Of numbers, and of what is said beside them.
+// How coefficients, and the words beside them, are shown.
 Style style_of(const WatchState& state, double now_s) {
   return state.old(now_s) ? Style::old : state.ended() ? Style::past : Style::plain;
 }

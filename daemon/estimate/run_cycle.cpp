@@ -93,8 +93,7 @@ void RunCycle::follow_course() {
 
 // A stop or a restart while no run goes on came too late: the run has ended by itself.
 void RunCycle::obey(const Record& request) {
-  const bool start = request.flags == static_cast<std::uint8_t>(RunEdge::begins),
-             restart = start && request.channel == 0;
+  const bool start = is_edge(request, RunEdge::begins), restart = start && request.channel == 0;
   if (!bracketed_ || (!run_.on && (!start || restart))) return;
   const bool by_operator = run_.by_operator;
   drive_was_on_ = drive_on();

@@ -12,7 +12,7 @@ static_assert(BlockCutter::kBlockRecords <= kMaxBlockRecords);
 bool BlockCutter::is_due_before(const Record& next) const noexcept {
   if (records_.empty()) return false;
   // A run begins with a block of its own.
-  if (next.kind == Kind::run && next.flags == static_cast<std::uint8_t>(RunEdge::armed)) return true;
+  if (is_edge(next, RunEdge::armed)) return true;
   return records_.size() >= kBlockRecords || next.t_ns - records_.front().t_ns >= kBlock_ns;
 }
 

@@ -53,8 +53,10 @@ struct RunFolder::Impl {
   std::optional<CutOffRun> cut_off;
   PreparedRun prepared;
   std::optional<Ledger::Ending> ended;  // the end of the last run, not in the ledger yet
-  bool end_refused = false;             // by the ledger, at the last try
-  bool log_to_merge = false;            // a run has ended since the ledger's log was last moved into its file
+  // What a run's end has left to be done: first the ledger's entry, which it may refuse, then its log moves into its
+  // file.
+  enum class Left : std::uint8_t { nothing, entry, refused_entry, log };
+  Left left = Left::nothing;
   // Of the run that is recorded.
   std::optional<ChainWriter> file;
   std::string name, origin;
@@ -152,19 +154,14 @@ struct RunFolder::Impl {
   Result<void> tell_of_end() {
     if (!ended) return {};
     auto told = signs->ledger.run_ends(*ended);
-    end_refused = !told;
+    left = told ? Left::log : Left::refused_entry;
     if (told) ended.reset();
     return told;
   }
 
-  // A copy of the ledger's file alone would lack the entries in the log. If the merge fails, they stay there.
-  void merge_log() {
-    log_to_merge = false;
-    disk_jobs.start([ledger = &signs->ledger]() -> Result<void> {
-      [[maybe_unused]] const auto merged = ledger->merge_log();
-      return {};
-    });
-  }
+  // A copy of the ledger's file alone would lack the entries in the log. If the merge fails, they stay there. Any
+  // thread.
+  void merge_log() { [[maybe_unused]] const auto merged = signs->ledger.merge_log(); }
 
   // Enters the run that begins; with it the end of the one before, if that is not in the ledger yet. Any thread, while
   // no other uses the ledger.
@@ -185,7 +182,10 @@ struct RunFolder::Impl {
     reserve.release();
     const Ledger::Ending without_entry{run, {}, 0, kCutOff};
     auto told = signs->ledger.run_ends(without_entry);
-    if (!told) ended = without_entry;  // tell_of_end() tries again; the next start enters it as deleted
+    if (!told) {
+      ended = without_entry;  // tell_of_end() tries again; the next start enters it as deleted
+      left = Left::refused_entry;
+    }
     if (told) told = signs->ledger.run_deleted(run, "its file could not be made: " + why);
     name.clear();
     [[maybe_unused]] auto held = reserve.hold();
@@ -241,8 +241,12 @@ Result<void> RunFolder::ready() {
   if (self.file) return {};
   if (self.ended) {
     if (auto told = self.tell_of_end(); !told) return told;
-  } else if (self.log_to_merge) {
-    self.merge_log();
+  } else if (self.left == Impl::Left::log) {
+    self.left = Impl::Left::nothing;
+    self.disk_jobs.start([&self]() -> Result<void> {
+      self.merge_log();
+      return {};
+    });
   }
   auto can = self.has_room();
   if (can) self.prepared.make(self.signs->ledger.next_run());
@@ -267,7 +271,10 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
   auto entered = std::async([&] { return self.enter(header); });
   auto begun = self.fill_file(header, t_ns, first);
   const auto told = entered.get();
-  if (told) self.ended.reset();
+  if (told) {
+    self.ended.reset();
+    self.left = Impl::Left::nothing;
+  }
   if (told && begun) {
     self.disk_jobs.start(
         [first_name = self.prepared.path_of(self.run), kept = self.options.directory + "/" + self.name] {
@@ -311,22 +318,22 @@ Result<void> RunFolder::end(std::span<const NewEntry> last) {
     });
   self.file.reset();
   self.name.clear();
-  self.end_refused = false;
-  self.log_to_merge = true;
+  self.left = Impl::Left::entry;
   return written;
 }
 
 std::shared_future<void> RunFolder::closed() const { return impl_->disk_jobs.done(); }
 void RunFolder::settle() {
-  if (impl_->ended) impl_->disk_jobs.start([self = impl_.get()] { return self->tell_of_end(); });
-  if (impl_->log_to_merge) impl_->merge_log();
+  if (impl_->left != Impl::Left::nothing)
+    impl_->disk_jobs.start([self = impl_.get()] { return self->tell_of_end().map([self] { self->merge_log(); }); });
   impl_->prepared.wait();
   impl_->disk_jobs.settle();
+  if (!impl_->ended) impl_->left = Impl::Left::nothing;
 }
 std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
 std::vector<EndedRunFile> RunFolder::take_ended() {
-  if (impl_->ended && !impl_->end_refused) return {};
+  if (impl_->left == Impl::Left::entry) return {};
   return std::exchange(impl_->ended_files, {});
 }
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }

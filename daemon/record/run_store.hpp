@@ -23,8 +23,8 @@ struct NewEntry {
 class RunStore {
  public:
   virtual ~RunStore() = default;
-  // Whether a run could begin now, as far as is known beforehand. Fails with the reason why not. To be called now and
-  // then while there is no run.
+  // Fails, with the reason, if it is known that no run could begin now. The recorder calls it every 0.25 s while no run
+  // goes on.
   [[nodiscard]] virtual Result<void> ready() = 0;
   // Begins a run: puts its number, id, key and predecessor into `header`, writes it and the first entries. t_ns: of the
   // first record.

@@ -86,7 +86,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
 
 tl::expected<void, std::string> Session::start() {
   if (impl_->recorder && !impl_->recorder->await_first_file(kFirstFileLimit))
-    impl_->log.warning("recording: the disk has not answered for 5 s; measuring begins before the first file is made");
+    impl_->log.warning("recording: the disk has not answered for " + std::to_string(kFirstFileLimit.count()) +
+                       " s; measuring begins before the first file is made");
   impl_->run->start();
   for (const auto& device : impl_->devices) {
     if (auto started = device->start(); !started) return started;

@@ -21,13 +21,11 @@ TEST(Replay, GivesEveryPublishedResultAgainToTheBit) {
     const std::string file = folder.path(std::to_string(seed) + ".dwell");
     const std::vector<Record> stream = test::eventful_stream(rig, rng);
     const auto written = test::write_run(file, rig.rig_text(), stream);
-    const auto begins_at = static_cast<std::uint64_t>(
-        1 + std::distance(stream.begin(), std::find_if(stream.begin(), stream.end(), [](const Record& record) {
-                            return record.kind == Kind::run &&
-                                   record.flags == static_cast<std::uint8_t>(RunEdge::begins);
-                          })));
+    const auto begins = std::find_if(stream.begin(), stream.end(),
+                                     [](const Record& record) { return is_edge(record, RunEdge::begins); });
+    const auto begins_at = static_cast<std::uint64_t>(1 + std::distance(stream.begin(), begins));
     const auto states = std::count_if(written.states.begin(), written.states.end(), [&](std::uint64_t position) {
-      return position > begins_at + 1 && position < stream.size();
+      return position > begins_at && position < stream.size();
     });
     const Printed seen = replayed(file);
     const Value answer = seen.json();

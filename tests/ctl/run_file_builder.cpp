@@ -228,7 +228,7 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     if (!block.empty() && record.t_ns - block.front().t_ns >= 1'000'000'000) cut();
     block.push_back(record);
     measurement.take(record);
-    const bool ends = record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends);
+    const bool ends = is_edge(record, RunEdge::ends);
     if (ends) measurement.finish();
     if (!ends && record.t_ns >= publish_ns && measurement.readings() == nullptr) ++run.busy;
     if (!ends && record.t_ns >= publish_ns && measurement.readings() != nullptr) {

@@ -47,18 +47,15 @@ struct CollectingSink final : record::StreamSink {
     states.push_back({change.before, after->state, records.size()});
   }
 
-  static bool is(const Record& record, RunEdge edge) {
-    return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(edge);
-  }
   [[nodiscard]] std::vector<Run> runs() const {
     std::vector<Run> found;
     std::size_t result = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
-      if (!is(records[i], RunEdge::begins)) continue;
+      if (!is_edge(records[i], RunEdge::begins)) continue;
       Run run;
       run.begins = static_cast<std::size_t>(records[i].value);
       std::size_t end = i;
-      while (end < records.size() && !is(records[end], RunEdge::ends)) ++end;
+      while (end < records.size() && !is_edge(records[end], RunEdge::ends)) ++end;
       run.ended = end < records.size();
       const auto first = records.begin() + static_cast<std::ptrdiff_t>(i - run.begins);
       run.records.assign(first, records.begin() + static_cast<std::ptrdiff_t>(run.ended ? end + 1 : end));

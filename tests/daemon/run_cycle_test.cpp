@@ -293,8 +293,7 @@ TEST_F(RunCycleTest, ABirthTellsTheStatesThatHold) {
   int births = 0;
   for (std::size_t i = 0; i + 3 < session.sink.records.size(); ++i) {
     const Record& birth = session.sink.records[i];
-    if (!CollectingSink::is(birth, RunEdge::armed) || SimulatedSession::kStart_ns + 5 * kSecond_ns > birth.t_ns)
-      continue;
+    if (!is_edge(birth, RunEdge::armed) || SimulatedSession::kStart_ns + 5 * kSecond_ns > birth.t_ns) continue;
     ++births;
     const Record *const table = &birth + 1, *const mass = &birth + 2, *const interlock = &birth + 3;
     EXPECT_EQ(table->kind, Kind::channel_state);

@@ -66,8 +66,8 @@ void replay(const Rig& rig, const CollectingSink::Run& run, Covered& covered) {
 void replay_all(const SimulatedSession& session, Covered& covered) {
   for (const CollectingSink::Run& run : session.sink.runs()) {
     ASSERT_TRUE(run.ended);
-    ASSERT_TRUE(CollectingSink::is(run.records.front(), RunEdge::armed));
-    ASSERT_TRUE(CollectingSink::is(run.records[run.begins], RunEdge::begins));
+    ASSERT_TRUE(is_edge(run.records.front(), RunEdge::armed));
+    ASSERT_TRUE(is_edge(run.records[run.begins], RunEdge::begins));
     covered.by_operator += run.records[run.begins].channel != 0;
     covered.reaching_back += run.records[run.begins].t_ns - run.records.front().t_ns >= 10 * kSecond_ns;
     replay(session.rig, run, covered);

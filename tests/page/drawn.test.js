@@ -1,21 +1,12 @@
 // What stands in the page's elements, where the numbers that it is told are known: ellipses of phasors, rows of devices.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { openBrowser } from './bench.js';
+import { test } from 'node:test';
 import { dwellOf } from './sample.js';
-import { ScriptedService } from './scripted.js';
-import { openScripted } from './scripted_page.js';
+import { scriptedPages } from './scripted_page.js';
 
-let browser;
-let service;
-before(async () => {
-  [browser, service] = await Promise.all([openBrowser(), ScriptedService.begin()]);
-});
-after(async () => {
-  await Promise.all([browser?.close(), service?.end()]);
-});
+const openScripted = scriptedPages();
 
-const open = (dwell, health) => openScripted(browser, service, { dwell, health });
+const open = (dwell, health) => openScripted({ dwell, health });
 
 // By hand. The largest amplitude, 4 mm, is 100 in the picture. So y1 has 50 at 30°: x = 43.30, and y = −25, since y points
 // down. Its u are 0.1 mm along the arrow, 2.5 in the picture, and 0.02 rad · 50 = 1 across it. With e = (cos 30°, −sin 30°)

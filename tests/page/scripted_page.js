@@ -1,5 +1,7 @@
 // A page that shows what a test scripts, not a rig: what stands where does not depend on how a rig is doing.
-import { PATIENCE_MS, SIZES } from './bench.js';
+import { after, before } from 'node:test';
+import { openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+import { ScriptedService } from './scripted.js';
 
 const TELLING_MS = 200; // the stream ends after each telling, and is asked for again
 const STEP_S = 0.02;
@@ -12,14 +14,27 @@ function tracesOf(names, first, bins) {
     channels: names.map((name, c) => ({ name, unit: 'mm', min: wave[c], max: wave[c].map((v) => v + 0.01), breaks: [] })) };
 }
 
-// Resolves to { page, dwell, close }: close() ends it, and `dwell` may be set anew.
-//   browser, service  of openBrowser() and ScriptedService, which answers whatever is not scripted here
-//   dwell             is told again and again
-//   traced            names of channels with live traces; none: those of the service stand still
-//   health            what differs in it
-//   rights            of who reads
-//   options           more of the browser's newPage()
-export async function openScripted(browser, service, { dwell, traced = [], health = {}, rights, size = 'desk', query = '', options = {} }) {
+// For a test file: one browser and one service for all its tests. Returns open(what), which resolves to { page, dwell,
+// close }: close() ends the page, and `dwell` may be set anew. Of `what`:
+//   dwell    is told again and again
+//   traced   names of channels with live traces; none: those of the service stand still
+//   health   what differs in it
+//   rights   of who reads
+//   options  more of the browser's newPage()
+// Whatever is not scripted here, ScriptedService answers.
+export function scriptedPages() {
+  let browser;
+  let service;
+  before(async () => {
+    [browser, service] = await Promise.all([openBrowser(), ScriptedService.begin()]);
+  });
+  after(async () => {
+    await Promise.all([browser?.close(), service?.end()]);
+  });
+  return (what) => open(browser, service.url, what);
+}
+
+async function open(browser, url, { dwell, traced = [], health = {}, rights, size = 'desk', query = '', options = {} }) {
   const page = await browser.newPage({ viewport: SIZES[size], ...options });
   page.setDefaultTimeout(PATIENCE_MS);
   const shown = { page, dwell,
@@ -43,6 +58,6 @@ export async function openScripted(browser, service, { dwell, traced = [], healt
     await answer('traces?*', (told) => ({ ...told, ...tracesOf(traced, 0, (tellings + 1) * BINS), from_s: 0, newest_s: (tellings + 1) * BINS * STEP_S }));
     await answer('channels', ({ channels }) => ({ channels: traced.map((name) => ({ ...channels[0], name })) }));
   }
-  await page.goto(`${service.url}/${query}`);
+  await page.goto(`${url}/${query}`);
   return shown;
 }

@@ -1,21 +1,13 @@
 // A wall display has no hands to scroll: what stands on it, and what the note at its foot names.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import { check } from './accessible.js';
-import { openBrowser, SIZES, until } from './bench.js';
+import { SIZES, until } from './bench.js';
 import { dwellOf, warningOf } from './sample.js';
-import { ScriptedService } from './scripted.js';
-import { openScripted } from './scripted_page.js';
+import { scriptedPages } from './scripted_page.js';
 
-let browser;
-let service;
-before(async () => {
-  [browser, service] = await Promise.all([openBrowser(), ScriptedService.begin()]);
-});
-after(async () => {
-  await Promise.all([browser?.close(), service?.end()]);
-});
+const openScripted = scriptedPages();
 
 // Channels of a clamped chain with this many elements.
 const channelsOf = (elements) => [...Array.from({ length: elements }, (_, i) => `y${i}`), 'reaction'];
@@ -27,7 +19,7 @@ function measured(elements, changes = {}) {
 }
 // It is told again and again: shown.dwell may be set anew.
 async function open(dwell) {
-  const shown = await openScripted(browser, service, { dwell, traced: channelsOf(dwell.elements.length), size: 'wall', query: '?kiosk',
+  const shown = await openScripted({ dwell, traced: channelsOf(dwell.elements.length), size: 'wall', query: '?kiosk',
     rights: { read: true, change: false, token: true }, options: { bypassCSP: true } });
   await shown.page.waitForSelector('.element');
   return shown;

@@ -176,10 +176,11 @@ TEST(SlowDisk, ALossOfPowerCostsTwoSecondsAtMostWhereOneRunFollowsAnother) {
   EXPECT_LE(rig.store.most_lost_s(), 2.0 + kSample_s) << rig.notices.text();
 }
 
-// The recorder looks for work that is left just before the record that begins the next run.
+// The recorder looks for work that is left just before the record that begins the next run. Within 0.3 s of the end,
+// but not at once, it costs more (docs/limits.md).
 TEST(SlowDisk, ALossOfPowerCostsTwoSecondsAtMostWhereARunBeginsAsTheLedgerHearsOfTheEndOfAnother) {
   double waited = 0.0;
-  for (const double pause_s : {0.0, 0.3, 0.6, 1.1, 2.0}) {
+  for (const double pause_s : {0.0, 0.02, 0.1, 0.2, 0.3, 0.6, 1.1, 2.0}) {
     SlowDiskRig rig;
     rig.stream.starts();
     rig.stream.play(4.2);
@@ -191,7 +192,8 @@ TEST(SlowDisk, ALossOfPowerCostsTwoSecondsAtMostWhereARunBeginsAsTheLedgerHearsO
     rig.stream.starts();
     rig.stream.play(3.7);
     rig.log.finish();
-    EXPECT_LE(rig.store.most_lost_s(), 2.0 + kSample_s) << pause_s << " s of pause\n" << rig.notices.text();
+    const double most_s = pause_s > 0.0 && pause_s < 0.3 ? 2.3 : 2.0;
+    EXPECT_LE(rig.store.most_lost_s(), most_s + kSample_s) << pause_s << " s of pause\n" << rig.notices.text();
   }
   EXPECT_GE(waited, kWait_s) << "for the ledger's entry of a run that is closed";
 }
