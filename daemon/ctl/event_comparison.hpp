@@ -18,8 +18,8 @@ namespace dwell::ctl {
 
 // Compares the changes of state of a run: position and text. Compared are those between RunEdge::begins, at position
 // `begins_at`, and the run's last record. Before, another pipeline's state may have been shown. If the run was cut off,
-// the last stored change is the last one compared: a later one may be lost. Adds each difference to `to`, and counts the
-// events. Keeps all changes of state in memory. Fails where the run cannot be read.
+// the last stored change is the last one compared: a later one may be lost. Adds each difference to `to`, and counts
+// the events. Keeps all changes of state in memory. Fails where the run cannot be read.
 [[nodiscard]] record::Result<void> compare_states(std::vector<record::StoredEvent> replayed, std::uint64_t begins_at,
                                                   record::RunReader& run, ReplayFindings& to);
 
