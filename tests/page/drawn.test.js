@@ -1,4 +1,4 @@
-// What stands in the page's elements, where the numbers that it is told are known: ellipses of phasors, rows of devices.
+// What stands in the page's elements, where the numbers that it is told are known: ellipses of phasors, rows of devices, the chain.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { dwellOf } from './sample.js';
@@ -50,5 +50,36 @@ test('each device has its driver, whether it delivers, and its faults', async ()
   const rows = await page.locator('#device-rows tr').evaluateAll((all) => all.map((row) => [row.dataset.tone, ...[...row.children].map((cell) => cell.innerText)]));
   assert.deepEqual(rows, [['calm', 'amplifier', 'modbus', 'delivers', 'timeout: 1\u202f234, missed deadline: 5'],
     ['alarm', '▲ bus', 'can', 'does not deliver', 'none'], ['calm', 'tape', 'replay', 'recording ended', 'none']]);
+  await shown.close();
+});
+
+test('the chain rests where less motion is asked for, and can be moved and halted', async () => {
+  const phasors = Array.from({ length: 7 }, (_, i) => ({ channel: `y${i}`, unit: 'm', valid: true, mean: 0, harmonics: [],
+    amplitude: 4e-3, phase_rad: 0.4 * i, u_amplitude: 1e-6, u_relative_phase_rad: 1e-4 }));
+  const shown = await openScripted({ dwell: dwellOf({ phasors }), options: { reducedMotion: 'reduce' } });
+  const { page } = shown;
+  await page.waitForSelector('#chain:not([hidden])');
+  const button = page.locator('#shape-pause');
+  const place = () => page.locator('#shape-masses').innerHTML();
+  // Of each frame's picture of the masses, how many differ from the first.
+  const moves = () => page.evaluate(async () => {
+    const html = () => document.querySelector('#shape-masses').innerHTML;
+    const first = html();
+    let others = 0;
+    for (let i = 0; i < 30; ++i) {
+      await new Promise((drawn) => requestAnimationFrame(drawn));
+      others += html() !== first;
+    }
+    return others;
+  });
+  assert.equal(await button.innerText(), 'Move');
+  assert.equal(await moves(), 0);
+  const before = await place();
+  await button.click();
+  assert.equal(await button.innerText(), 'Halt');
+  await page.waitForFunction((was) => document.querySelector('#shape-masses').innerHTML !== was, before);
+  await button.click();
+  assert.equal(await button.innerText(), 'Move');
+  assert.equal(await moves(), 0);
   await shown.close();
 });

@@ -1,25 +1,21 @@
 // The head stays on the screen and hides nothing that the keyboard or a link goes to (WCAG 2.2, 2.4.11).
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { Bench, openBrowser, PATIENCE_MS, SIZES, TOKEN } from './bench.js';
+import { test } from 'node:test';
+import { SIZES } from './bench.js';
+import { dwellOf } from './sample.js';
+import { scriptedPages } from './scripted_page.js';
 
-let browser;
-let bench;
-before(async () => {
-  [browser, bench] = await Promise.all([openBrowser(), Bench.begin({ files: { token: `${TOKEN}\n` },
-    edit: (text) => `${text.replace(/^# token_file .*/m, 'token_file = "token"')}\n[[limit]]\nelement = 2\nstiffness = [12e3, 13e3]\n` })]);
-  bench.rig.say('start');
-});
-after(async () => {
-  await Promise.all([browser?.close(), bench?.end()]);
-});
+const openScripted = scriptedPages();
 
+// With an alarm, and the controls of one who may change something.
+const ALARM = { name: 'limit:stiffness:2', text: 'limit violated: stiffness of element 2 is 7.999 ± 0.018 kN/m, outside 12.00 to 13.00 kN/m',
+  state: 'unacknowledged', since: '2026-11-23T07:00:00Z', changed: '2026-11-23T07:00:00Z', count: 1, acknowledged_by: null, comment: null };
 async function open(viewport) {
-  const page = await browser.newPage({ viewport });
-  page.setDefaultTimeout(PATIENCE_MS);
-  await page.goto(bench.url);
-  await page.locator('#alarm-rows li', { hasText: 'limit violated' }).waitFor();
-  return page;
+  const shown = await openScripted({ dwell: dwellOf(), rights: { read: true, change: true, token: true } });
+  await shown.page.setViewportSize(viewport);
+  await shown.page.route('**/api/v1/alarms', (route) => route.fulfill({ json: { unacknowledged: 1, left_out: 0, alarms: [ALARM] } }));
+  await shown.page.locator('#alarm-rows li', { hasText: 'limit violated' }).waitFor();
+  return shown;
 }
 const box = (page, selector) => page.evaluate((s) => {
   const { top, bottom, height } = document.querySelector(s).getBoundingClientRect();
@@ -27,7 +23,8 @@ const box = (page, selector) => page.evaluate((s) => {
 }, selector);
 
 test('what the links of the head lead to is below the head', async () => {
-  const page = await open(SIZES.desk);
+  const shown = await open(SIZES.desk);
+  const { page } = shown;
   for (const [link, target] of [['#alarm-link', '#alarms'], ['.skip', '#coefficients']]) {
     await page.locator(link).focus();
     await page.keyboard.press('Enter');
@@ -36,11 +33,12 @@ test('what the links of the head lead to is below the head', async () => {
     assert.ok(section.top >= head.bottom, `${target} begins at ${section.top}, the head ends at ${head.bottom}`);
     assert.ok(section.top < SIZES.desk.height - 100, `${target} is on the screen`);
   }
-  await page.close();
+  await shown.close();
 });
 
 test('backwards by keyboard, nothing that has the focus is under the head', async () => {
-  const page = await open(SIZES.desk);
+  const shown = await open(SIZES.desk);
+  const { page } = shown;
   await page.waitForFunction(() => [...document.querySelectorAll('#operate button, #operate input')].some((node) => node.offsetParent));
   await page.evaluate(() => {
     window.scrollTo(0, document.body.scrollHeight);
@@ -60,16 +58,17 @@ test('backwards by keyboard, nothing that has the focus is under the head', asyn
     if (at.under && at.name !== 'skip') hidden.push(at.name);
   }
   assert.deepEqual(hidden, []);
-  await page.close();
+  await shown.close();
 });
 
 test('a head that would take more than a third of the window scrolls away', async () => {
-  const page = await open({ width: 1024, height: 400 });
+  const shown = await open({ width: 1024, height: 400 });
+  const { page } = shown;
   const head = await box(page, '#head');
   assert.ok(head.height > 400 / 3, `it takes ${head.height} px`);
   await page.evaluate(() => window.scrollTo(0, 800));
   assert.ok((await box(page, '#head')).bottom <= 0);
   await page.setViewportSize({ width: 1024, height: 900 });
   await page.waitForFunction(() => document.querySelector('#head').getBoundingClientRect().top === 0);
-  await page.close();
+  await shown.close();
 });
