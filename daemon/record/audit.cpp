@@ -16,6 +16,7 @@
 #include "daemon/record/regular_file.hpp"
 #include "daemon/record/result_text.hpp"
 #include "daemon/record/signature.hpp"
+#include "daemon/record/snapshot.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -36,6 +37,7 @@ class RunAudit {
   Result<void> take_part(const Entry& entry);
   Result<void> take_signature(ChainAudit& chain, const ChainReader::Row& row);
   [[nodiscard]] Result<void> may_be_empty() const;
+  [[nodiscard]] bool is_being_entered() const;
   [[nodiscard]] Result<void> ledger_agrees() const;
   [[nodiscard]] Result<void> ledger_signatures_there() const;
   [[nodiscard]] std::string origin() const { return "dwell/run/" + header_.id; }
@@ -145,10 +147,17 @@ Result<void> RunAudit::may_be_empty() const {
   return known.all_there(0);
 }
 
+// The file loses its first name once the ledger knows the run.
+bool RunAudit::is_being_entered() const {
+  const std::filesystem::path file = audit_.file;
+  std::error_code none;
+  return std::filesystem::equivalent(file, file.parent_path() / first_name_of_run(header_.run), none);
+}
+
 Result<void> RunAudit::ledger_agrees() const {
   const LedgerRun* run = ledger_->find(header_.run);
   const std::string name = "run " + std::to_string(header_.run);
-  if (run == nullptr) return fails("the ledger does not know " + name);
+  if (run == nullptr) return is_being_entered() ? fails(read_again()) : fails("the ledger does not know " + name);
   if (run->id != header_.id) return fails("the ledger knows another run as " + name);
   if (run->previous_head != header_.previous_head)
     return fails("entry 1: the run before " + name + " is another one in the ledger");
@@ -242,7 +251,8 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   RunAudit run(audit, options, anchors, ledger);
   const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
   if (!ended && ended.error().cause() == Cause::stopped) return fails(ended.error());
-  if (chain ? !chain->unchanged() : chain.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
+  if (!ended && ended.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
+  if (chain && !chain->unchanged()) return fails(read_again(path + ": "));
   if (!ended && ended.error().cause() == Cause::newer)
     return fails({path + ": cannot be audited: " + ended.error(), Cause::newer});
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;

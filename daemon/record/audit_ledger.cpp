@@ -35,7 +35,7 @@ std::string missing(const LedgerRun& run, const std::string& directory) {
 }
 
 // Runs that an anchor knows and the ledger does not: file and ledger entry were removed. And runs that have entries by
-// an anchor, and are deleted without one by the ledger: the file was removed before the service could enter its end.
+// an anchor, and are deleted without one by the ledger: their file could not be read when the service entered its end.
 std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Anchor>& anchors) {
   static constexpr std::string_view kFront = "dwell/run/";
   std::map<std::string, const LedgerRun*> known;

@@ -57,14 +57,15 @@ class ChainWriter {
   [[nodiscard]] Result<void> append(std::string_view kind, std::int64_t t_ns, std::string_view body);
   // Starts the log, with up to three waits for the disk. The next commit then takes one.
   [[nodiscard]] Result<void> begin_log();
-  // Moves the -wal into the file, unless somebody reads it, and starts the log again. A copy of the file alone then
-  // holds all that was committed before. Waits for the disk three times. Fails if writing failed, now or before.
+  // Moves the -wal into the file, unless somebody reads it. A copy of the file alone then holds all that was committed
+  // before. Waits for the disk once, and the next commit takes one wait. Fails if writing failed, now or before.
   [[nodiscard]] Result<void> merge_log();
-  // Signs the head: for files where each entry is signed. commit() signs the last entry in any case.
-  [[nodiscard]] Result<void> sign();
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for
-  // the disk. Nothing appended: does nothing. Fails, and discards these entries, also where the file has been removed.
+  // the disk once; twice where a long -wal is moved into the file. Nothing appended: does nothing. Fails, and discards
+  // these entries, also where the file has been removed.
   [[nodiscard]] Result<void> commit();
+  // The same where close() comes next: leaves the -wal to that, and so waits once.
+  [[nodiscard]] Result<void> commit_last();
   // Discards what was appended since the last commit.
   void roll_back();
   // Commits, and merges the -wal into the file. Nothing can be appended afterwards. If it fails, all committed entries

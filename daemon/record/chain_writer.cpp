@@ -116,6 +116,7 @@ struct ChainWriter::Impl {
   int frames = 0;          // of the log, after the last commit
   OpenFile wal_file;       // for its flock: Snapshot
   bool stale_log = false;  // frames of a failed transaction may follow the log's end
+  bool new_log = false;    // the log is empty, and SQLite does not wait for the disk: the next commit does
   std::string broken;      // why nothing more may be written; empty: it may
 
   Impl() = default;
@@ -194,10 +195,25 @@ struct ChainWriter::Impl {
       } else if (move_log(SQLITE_CHECKPOINT_TRUNCATE)) {
         frames = 0;
         stale_log = false;
+        new_log = static_cast<bool>(wal_file);
       }
     }
-    if (!execute(database.get(), kWaits) && broken.empty()) broken = sqlite_error(database.get(), path);
+    if (!new_log) wait_again();
     if (alone) ::flock(wal_file.get(), LOCK_UN);
+  }
+  void wait_again() {
+    if (!execute(database.get(), kWaits) && broken.empty()) broken = sqlite_error(database.get(), path);
+  }
+  // SQLite would wait twice for the first commit of a new log: for the log's header, then for the rest. Once is enough:
+  // the header begins the checksums of the frames, so they count only with it.
+  [[nodiscard]] bool synchronize_new_log() {
+    if (!new_log) return true;
+    new_log = false;
+    if (::fdatasync(wal_file.get()) != 0)
+      broken = path + "-wal: " + std::strerror(errno);
+    else
+      wait_again();
+    return broken.empty();
   }
 
   // Makes it one file without -wal. SQLite would take ten waits for the disk, and the next run waits meanwhile; three
@@ -254,7 +270,7 @@ Result<void> ChainWriter::begin_log() {
 
 Result<void> ChainWriter::merge_log() {
   impl_->merge();
-  return impl_->broken.empty() ? begin_log() : fails(impl_->broken);
+  return impl_->broken.empty() ? Result<void>() : fails(impl_->broken);
 }
 
 // The log first, so that whoever finds the file finds its log as well.
@@ -335,9 +351,14 @@ Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::
   return {};
 }
 
-Result<void> ChainWriter::sign() { return impl_->add_note() ? Result<void>() : impl_->failed(); }
-
 Result<void> ChainWriter::commit() {
+  if (impl_->pending.seq == impl_->committed.seq) return {};
+  Result<void> done = commit_last();
+  if (done) impl_->checkpoint();
+  return done;
+}
+
+Result<void> ChainWriter::commit_last() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
   // SQLite would go on writing into a file that no name leads to.
@@ -346,8 +367,11 @@ Result<void> ChainWriter::commit() {
     return fails(own.path + ": was removed while it was written");
   }
   if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
+  if (!own.synchronize_new_log()) {
+    own.roll_back();
+    return fails(own.broken);
+  }
   own.committed = own.pending;
-  own.checkpoint();
   return {};
 }
 
@@ -356,7 +380,7 @@ void ChainWriter::roll_back() { impl_->roll_back(); }
 Result<void> ChainWriter::close() {
   Impl& own = *impl_;
   if (!own.database) return {};
-  if (Result<void> done = commit(); !done) return done;
+  if (Result<void> done = commit_last(); !done) return done;
   own.insert_entry.reset();
   own.insert_note.reset();
   return own.leave_log();

@@ -8,7 +8,6 @@
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/last_entry.hpp"
-#include "daemon/record/ledger_book.hpp"
 #include "daemon/record/run_entries.hpp"
 #include "daemon/record/utc_text.hpp"
 
@@ -34,15 +33,6 @@ bool are_two_files(const std::string& a, const std::string& b) {
   }, other{};
   return lstat(a.c_str(), &one) == 0 && lstat(b.c_str(), &other) == 0 &&
          (one.st_dev != other.st_dev || one.st_ino != other.st_ino);
-}
-
-Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory) {
-  const auto book = read_book(ledger_in(directory));
-  if (!book) return tl::unexpected(book.error());
-  std::vector<std::int64_t> runs;
-  for (const auto& [number, run] : book->runs())
-    if (run.end && run.end->seq == 0 && !run.deleted && !is_there(directory, run.file)) runs.push_back(number);
-  return runs;
 }
 
 Result<FileEnd> end_of_file(const std::string& directory, CutOffRun run) {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "daemon/record/result.hpp"
 
@@ -34,9 +33,5 @@ struct FileEnd {
 [[nodiscard]] bool is_there(const std::string& directory, const std::string& name);
 // Whether different files stand at the two names.
 [[nodiscard]] bool are_two_files(const std::string& a, const std::string& b);
-
-// Runs that ended without a committed entry, but are not entered as deleted: a crash came between the two entries of
-// the ledger. Reads the ledger.
-[[nodiscard]] Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory);
 
 }  // namespace dwell::record

@@ -2,6 +2,7 @@
 // destructor waits for all of them.
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -29,10 +30,7 @@ class DiskJobs {
     // Copied, so that the job is still here if no thread can be begun: std::async loses what is moved into it.
     auto work = [this, last = last_, job = std::make_shared<Job>(std::move(job))]() mutable {
       if (const auto before = std::exchange(last, {}); before.valid()) before.wait();
-      if (const Result<void> done = (*job)(); !done) {
-        const std::lock_guard lock(mutex_);
-        failures_.push_back(done.error());
-      }
+      if (const Result<void> done = (*job)(); !done) failed(done.error());
     };
     try {
       last_ = std::async(std::launch::async, work).share();
@@ -42,9 +40,18 @@ class DiskJobs {
   }
   // Ready when all jobs so far are done; not valid: there were none. Any thread may wait for it.
   [[nodiscard]] std::shared_future<void> done() const { return last_; }
+  // Whether all jobs so far are done.
+  [[nodiscard]] bool idle() const {
+    return !last_.valid() || last_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
   // Waits until all jobs are done.
   void settle() const {
     if (last_.valid()) last_.wait();
+  }
+  // Of a part of a job. Any thread.
+  void failed(std::string why) {
+    const std::lock_guard lock(mutex_);
+    failures_.push_back(std::move(why));
   }
   // The reasons of the jobs that have failed since the last call.
   [[nodiscard]] std::vector<std::string> take_failures() {

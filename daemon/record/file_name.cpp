@@ -38,6 +38,8 @@ std::string run_file_name(std::string_view rig, std::int64_t run, std::string_vi
   return tame(rig) + '-' + std::to_string(run) + '-' + std::string(utc) + std::string(kRunSuffix);
 }
 
+std::string first_name_of_run(std::int64_t run) { return "next-" + std::to_string(run) + ".new"; }
+
 std::string kept_by_service(std::string_view name) {
   if (name == "key" || name == "key.next") return "the private key of the service";
   if (name == "key.pub") return "the public key of the service";

@@ -22,6 +22,9 @@ inline constexpr std::string_view kKeepSuffix = ".keep";
 // `utc`: as compact_utc() writes it.
 [[nodiscard]] std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc);
 
+// The name at which a run's file is made. It loses this name once the ledger knows the run.
+[[nodiscard]] std::string first_name_of_run(std::int64_t run);
+
 // What the file is, if it has the name of one that the service keeps in its recording directory beside runs and ledger:
 // its keys, the reserve, runs made in advance. Empty: it has none of these names.
 [[nodiscard]] std::string kept_by_service(std::string_view name);

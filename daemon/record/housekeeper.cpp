@@ -27,7 +27,7 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   anchors_.turn(now, ended, changed);
   deleter_.watch_clock(now);
   if (listing_->directory.load() == Reading::done) {
-    if (!std::exchange(all_listed_, true)) tell_of_strangers();
+    if (!folder_.busy() && !std::exchange(all_listed_, true)) tell_of_strangers();
     deleter_.turn(now, recorded, listing_->renewed.exchange(false) || changed);
     audit(now);
   }

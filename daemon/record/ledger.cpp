@@ -2,7 +2,6 @@
 
 #include <time.h>
 
-#include <array>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -27,37 +26,34 @@ std::int64_t utc_now_ns() {
 
 struct Ledger::Impl {
   std::string path;
-  LedgerBook book;
+  std::mutex writing;  // of what follows
   std::optional<ChainWriter> file;
   bool key_changed = false;
-  std::mutex writing;  // of `file`
+  mutable std::mutex known;  // of what follows; held for a moment, never while the disk is waited for
+  LedgerBook book;
+  Anchor head;
 
-  struct Addition {
-    const char* kind;
-    std::string body;
-  };
+  template <class Question>
+  auto ask(const Question& question) const {
+    const std::lock_guard lock(known);
+    return question(book);
+  }
 
-  // All of them, in one transaction. The book first: it refuses what a reader would refuse.
-  Result<void> add(std::initializer_list<Addition> additions, std::int64_t t_ns) {
+  // The book first: it refuses what a reader would refuse.
+  Result<void> add(const char* kind, const std::string& body, std::int64_t t_ns) {
     const std::lock_guard lock(writing);
     if (key_changed) return fails(path + ": the key has changed: open the ledger with the new one");
     LedgerBook next = book;
-    std::int64_t seq = file->committed();
-    for (const Addition& addition : additions) {
-      const Entry entry{.seq = ++seq, .kind = addition.kind, .t_ns = t_ns, .body = addition.body};
-      if (Result<void> taken = next.take(entry); !taken) {
-        file->roll_back();
-        return fails(path + ": " + taken.error());
-      }
-      const Result<void> done = file->append(addition.kind, t_ns, addition.body).and_then([&] { return file->sign(); });
-      if (!done) return done;
-    }
-    Result<void> done = file->commit();
-    if (done) book = std::move(next);
+    const Entry entry{.seq = file->committed() + 1, .kind = kind, .t_ns = t_ns, .body = body};
+    if (Result<void> taken = next.take(entry); !taken) return fails(path + ": " + taken.error());
+    Result<void> done = file->append(kind, t_ns, body).and_then([&] { return file->commit(); });
+    if (done) learn(std::move(next));
     return done;
   }
-  Result<void> add(const char* kind, std::string body, std::int64_t t_ns) {
-    return add({{kind, std::move(body)}}, t_ns);
+  void learn(LedgerBook next) {
+    const std::lock_guard lock(known);
+    book = std::move(next);
+    head = {{}, book.origin(), file->committed(), file->committed_head()};
   }
 
   Result<void> begin(const SigningKey& key) {
@@ -99,31 +95,42 @@ Result<Ledger> Ledger::open(const std::string& directory, const SigningKey& key)
       ChainWriter::open(impl->path, ChainSort::ledger, impl->book.origin(), key, impl->book.last_signer());
   if (!file) return fails(std::move(file.error()));
   impl->file.emplace(std::move(*file));
+  impl->learn(std::move(impl->book));
   return Ledger(std::move(impl));
 }
 
-std::int64_t Ledger::next_run() const noexcept { return impl_->book.next_run(); }
-const std::string& Ledger::newest_head() const noexcept { return impl_->book.newest_head(); }
-std::int64_t Ledger::running() const noexcept { return impl_->book.running(); }
+std::int64_t Ledger::next_run() const noexcept {
+  return impl_->ask([](const LedgerBook& book) { return book.next_run(); });
+}
+std::string Ledger::newest_head() const {
+  return impl_->ask([](const LedgerBook& book) { return book.newest_head(); });
+}
+std::int64_t Ledger::running() const noexcept {
+  return impl_->ask([](const LedgerBook& book) { return book.running(); });
+}
 
 std::string Ledger::file_of(std::int64_t run) const {
-  const auto known = impl_->book.runs().find(run);
-  return known == impl_->book.runs().end() ? std::string() : known->second.file;
+  return impl_->ask([run](const LedgerBook& book) {
+    const auto found = book.runs().find(run);
+    return found == book.runs().end() ? std::string() : found->second.file;
+  });
 }
 
 bool Ledger::is_deleted(std::int64_t run) const {
-  const auto known = impl_->book.runs().find(run);
-  return known != impl_->book.runs().end() && known->second.deleted && known->second.end->seq > 0;
+  return impl_->ask([run](const LedgerBook& book) {
+    const auto found = book.runs().find(run);
+    return found != book.runs().end() && found->second.deleted && found->second.end->seq > 0;
+  });
 }
 
-Result<void> Ledger::begin_log() { return impl_->file->begin_log(); }
 Result<void> Ledger::merge_log() {
   const std::lock_guard lock(impl_->writing);
   return impl_->file->merge_log();
 }
 
 Anchor Ledger::head() const {
-  return {{}, impl_->book.origin(), impl_->file->committed(), impl_->file->committed_head()};
+  const std::lock_guard lock(impl_->known);
+  return impl_->head;
 }
 
 Result<void> Ledger::run_begins(const RunHeader& header, const std::string& file) {
@@ -136,21 +143,14 @@ Result<void> Ledger::run_ends(const Ending& ended) {
   return impl_->add("ends", ledger_ends(ended.run, {ended.head, ended.seq, ended.state, iso_utc(now_ns)}), now_ns);
 }
 
-Result<void> Ledger::run_follows(const Ending& ended, const RunHeader& header, const std::string& file) {
-  const std::int64_t now_ns = utc_now_ns();
-  const std::string utc = iso_utc(now_ns);
-  return impl_->add({{"ends", ledger_ends(ended.run, {ended.head, ended.seq, ended.state, utc})},
-                     {"begins", ledger_begins(header, file, utc)}},
-                    now_ns);
-}
-
 Result<void> Ledger::run_deleted(std::int64_t run, const std::string& why) {
   const std::int64_t now_ns = utc_now_ns();
-  const auto known = impl_->book.runs().find(run);
   // The head at the run's end, whatever was signed afterwards.
-  const bool has_head = known != impl_->book.runs().end() && known->second.end;
-  return impl_->add("deleted", ledger_deleted(run, has_head ? known->second.end->head : "", why, iso_utc(now_ns)),
-                    now_ns);
+  const std::string head = impl_->ask([run](const LedgerBook& book) {
+    const auto found = book.runs().find(run);
+    return found != book.runs().end() && found->second.end ? found->second.end->head : std::string();
+  });
+  return impl_->add("deleted", ledger_deleted(run, head, why, iso_utc(now_ns)), now_ns);
 }
 
 Result<void> Ledger::run_signed(std::int64_t run, const PersonalSignature& signature) {

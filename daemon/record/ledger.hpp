@@ -12,8 +12,8 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Every call commits before it returns, so it waits for the disk. After a failure the ledger is as
-// before.
+// Questions may come from any thread, and never wait. Entries commit before they return, so they wait for the disk;
+// they may come from any thread, and wait for each other. After a failure the ledger is as before.
 class Ledger {
  public:
   // ledger_in(directory), made where there is none.
@@ -24,7 +24,7 @@ class Ledger {
 
   // The number that the next run takes, and the final head of the newest run that has one (hexadecimal; empty: none).
   [[nodiscard]] std::int64_t next_run() const noexcept;
-  [[nodiscard]] const std::string& newest_head() const noexcept;
+  [[nodiscard]] std::string newest_head() const;
   // The name of a run's file; empty: the ledger does not know this run.
   [[nodiscard]] std::string file_of(std::int64_t run) const;
   // Whether the run had entries and is entered as deleted.
@@ -36,9 +36,7 @@ class Ledger {
 
   // Fails if `header` does not hold next_run() and newest_head(), or if another run has not ended.
   [[nodiscard]] Result<void> run_begins(const RunHeader& header, const std::string& file);
-  // Starts the log, with up to three waits for the disk. The next entry then takes one.
-  [[nodiscard]] Result<void> begin_log();
-  // As ChainWriter::merge_log(). Any thread may call it; entries written meanwhile wait for it.
+  // As ChainWriter::merge_log().
   [[nodiscard]] Result<void> merge_log();
   // How a run's file ends. state: "closed", or "cut off" after a crash. Then `head` is that of its last committed
   // entry; if nothing was committed, it is empty and seq 0.
@@ -49,9 +47,6 @@ class Ledger {
     std::string state;
   };
   [[nodiscard]] Result<void> run_ends(const Ending& ended);
-  // A run ends and the next one begins, entered with one wait for the disk. `header` holds the head of the run that
-  // ends.
-  [[nodiscard]] Result<void> run_follows(const Ending& ended, const RunHeader& header, const std::string& file);
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& why);
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
   // Adds a change of keys, signed by the old key. Afterwards this object takes nothing more: open the ledger with the

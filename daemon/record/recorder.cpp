@@ -71,7 +71,7 @@ std::string stall_text(std::int64_t ns) {
 struct Entering {
   std::int64_t run;
   PersonalSignature signature;
-  std::promise<Result<void>> done;
+  std::promise<std::future<Result<void>>> entered;
 };
 
 }  // namespace
@@ -183,7 +183,7 @@ struct Recorder::Impl {
       const std::lock_guard lock(mutex);
       asked.swap(signatures);
     }
-    for (Entering& entering : asked) entering.done.set_value(folder.run_signed(entering.run, entering.signature));
+    for (Entering& entering : asked) entering.entered.set_value(folder.run_signed(entering.run, entering.signature));
   }
 
   void read_inbox() {
@@ -270,13 +270,13 @@ void Recorder::event(StoredEvent event) { impl_->inbox.put(std::move(event)); }
 
 Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& signature) {
   Entering entering{run, signature, {}};
-  std::future<Result<void>> done = entering.done.get_future();
+  std::future<std::future<Result<void>>> entered = entering.entered.get_future();
   {
     const std::lock_guard lock(impl_->mutex);
     if (impl_->stop) return tl::unexpected(std::string("the service is stopping"));
     impl_->signatures.push_back(std::move(entering));
   }
-  return done.get();
+  return entered.get().get();
 }
 
 bool Recorder::await_first_file(std::chrono::milliseconds limit) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <set>
 #include <string_view>
@@ -34,10 +35,16 @@ void RunDeleter::turn(const ClockPair& now, const ListedRun* recorded, bool due)
     next_look_ns_ = now.raw_ns + kPeriod_ns;
     choose(now, recorded);
   }
-  if (deletions_.empty() || jobs_.full()) return;
-  const Deletion deletion = std::move(deletions_.front());
+  if (jobs_.full()) return;
+  if (telling_) {
+    if (telling_->told.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    Telling answered = *std::exchange(telling_, std::nullopt);
+    return erase(answered.deletion, answered.told.get());
+  }
+  if (deletions_.empty()) return;
+  Deletion deletion = std::move(deletions_.front());
   deletions_.pop_front();
-  if (recorded == nullptr || deletion.run.file != recorded->file) erase(deletion);
+  if (recorded == nullptr || deletion.run.file != recorded->file) begin(std::move(deletion));
 }
 
 void RunDeleter::choose(const ClockPair& now, const ListedRun* recorded) {
@@ -60,7 +67,8 @@ void RunDeleter::choose(const ClockPair& now, const ListedRun* recorded) {
 ListedRuns RunDeleter::deletable(const ListedRun* recorded) const {
   ListedRuns runs = *list_->all();
   for (ListedRun& run : runs) {
-    run.kept = run.kept || !folder_.knows(run.run, run.file);
+    const bool under_way = telling_ && telling_->deletion.run.file == run.file;
+    run.kept = run.kept || under_way || !folder_.knows(run.run, run.file);
     if (recorded != nullptr && run.file == recorded->file) run.bytes = recorded->bytes;
   }
   return runs;
@@ -78,10 +86,15 @@ std::vector<Deletion> RunDeleter::chosen_of(ListedRuns& runs, const RetentionPol
   }
 }
 
-void RunDeleter::erase(const Deletion& deletion) {
+void RunDeleter::begin(Deletion deletion) {
+  if (is_kept(options_.directory, deletion.run.file)) return;
+  auto told = folder_.run_deleted(deletion.run.run, deletion.why);
+  telling_.emplace(Telling{std::move(deletion), std::move(told)});
+}
+
+void RunDeleter::erase(const Deletion& deletion, const Result<void>& told) {
   const ListedRun& run = deletion.run;
-  if (is_kept(options_.directory, run.file)) return;
-  if (auto told = folder_.run_deleted(run.run, deletion.why); !told) {
+  if (!told) {
     tell_({Notice::Grade::warning,
            run.file + " is not deleted, for the ledger could not be told: " + told.error(),
            run.run,

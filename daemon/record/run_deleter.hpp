@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +37,7 @@ class RunDeleter {
 
   // Call at each turn, also while the list is not complete yet: watches for steps of the computer's clock.
   void watch_clock(const ClockPair& now);
-  // One pass; the folder must be open, and the list complete. Deletes one run at most, since each waits for the disk.
+  // One pass; the folder must be open, and the list complete. Deletes one run at a time: first the ledger is told.
   // recorded: the list's entry of the current run, as of now; null: none is recorded. due: a look is due before the
   // period is over, for a run has begun, or the list has new files.
   void turn(const ClockPair& now, const ListedRun* recorded, bool due);
@@ -49,7 +51,10 @@ class RunDeleter {
   // choose_deletions(), also where runs have been protected since they were listed.
   [[nodiscard]] std::vector<Deletion> chosen_of(ListedRuns& runs, const RetentionPolicy& policy,
                                                 std::int64_t now_utc_ns) const;
-  void erase(const Deletion& deletion);
+  // Tells the ledger.
+  void begin(Deletion deletion);
+  // The ledger has answered.
+  void erase(const Deletion& deletion, const Result<void>& told);
 
   const RetentionOptions options_;
   RunFolder& folder_;
@@ -59,6 +64,11 @@ class RunDeleter {
   const std::shared_ptr<Outcomes<Notice>> unlinked_ = std::make_shared<Outcomes<Notice>>();
   std::int64_t next_look_ns_ = 0;
   std::deque<Deletion> deletions_;
+  struct Telling {
+    Deletion deletion;
+    std::future<Result<void>> told;
+  };
+  std::optional<Telling> telling_;  // of the deletion that is under way
   AgeDoubt age_doubt_;
   std::string doubt_;       // why no age can be believed now; empty: it can
   std::string told_doubt_;  // why old runs stay, as the log has it

@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <memory>
 #include <utility>
@@ -14,8 +16,9 @@
 #include "daemon/record/disk_jobs.hpp"
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/file_name.hpp"
+#include "daemon/record/kept_jobs.hpp"
 #include "daemon/record/key_file.hpp"
-#include "daemon/record/prepared_run.hpp"
+#include "daemon/record/prepared_runs.hpp"
 #include "daemon/record/random_id.hpp"
 #include "daemon/record/utc_text.hpp"
 
@@ -25,14 +28,14 @@ namespace {
 constexpr const char* kClosed = "closed";
 constexpr const char* kCutOff = "cut off";
 
-Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entries) {
+Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entries, bool last = false) {
   for (const NewEntry& entry : entries) {
     if (auto appended = file.append(entry.kind, entry.t_ns, entry.body); !appended) {
       file.roll_back();
       return appended;
     }
   }
-  auto committed = file.commit();
+  auto committed = last ? file.commit_last() : file.commit();
   if (!committed) file.roll_back();
   return committed;
 }
@@ -45,18 +48,22 @@ struct RunFolder::Impl {
       : options(std::move(the_options)),
         reserve(options.directory + "/" + kReserveName, options.reserve_bytes),
         prepared(options.directory) {}
+  ~Impl() {
+    if (ledger_jobs.any()) ledger_jobs.again();  // the last try
+    disk_jobs.settle();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   const FolderOptions options;
   DirectoryLock lock;
   DiskReserve reserve;
   std::optional<KeyAndLedger> signs;  // none: not open
   std::optional<CutOffRun> cut_off;
-  PreparedRun prepared;
-  std::optional<Ledger::Ending> ended;  // the end of the last run, not in the ledger yet
-  // What a run's end has left to be done: first the ledger's entry, which it may refuse, then its log moves into its
-  // file.
-  enum class Left : std::uint8_t { nothing, entry, refused_entry, log };
-  Left left = Left::nothing;
+  PreparedRuns prepared;
+  // Of the next run, also while the ledger does not know yet of those before.
+  std::int64_t next_run = 0;
+  std::string previous_head;
   // Of the run that is recorded.
   std::optional<ChainWriter> file;
   std::string name, origin;
@@ -66,6 +73,7 @@ struct RunFolder::Impl {
   std::optional<Anchor> last_head;  // of the run before
   std::vector<EndedRunFile> ended_files;
   DiskJobs disk_jobs;
+  KeptJobs ledger_jobs{disk_jobs};
 
   // The file that was cut off is not altered.
   Result<void> tell_of_cut_off() {
@@ -83,15 +91,6 @@ struct RunFolder::Impl {
     Result<void> told = ledger.run_ends({found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff});
     if (told && !found.closed) cut_off = std::move(found.run);
     return told;
-  }
-
-  // A run that never had a file must not look like a run whose file was removed.
-  Result<void> enter_runs_without_file() {
-    const auto runs = runs_without_file(options.directory);
-    if (!runs) return tl::unexpected(runs.error());
-    for (const std::int64_t number : *runs)
-      if (auto told = signs->ledger.run_deleted(number, "it was cut off before it had a file"); !told) return told;
-    return {};
   }
 
   [[nodiscard]] std::optional<Anchor> head() const {
@@ -115,11 +114,13 @@ struct RunFolder::Impl {
     return full;
   }
 
-  // Completes what a crash interrupted. First every file gets its name. Then the ledger gets the end of the run that
-  // was going on. Last it gets the run that had just followed and has no entry yet, with its end.
+  // Completes what a crash interrupted. First every file gets its name. Then the ledger gets the end of the run that it
+  // takes to be going on. Last it gets the runs that have followed and have no entry yet, with their ends.
   Result<void> tell_of_crash() {
     std::vector<std::pair<RunHeader, std::string>> unknown;
-    for (const std::int64_t number : prepared.left_over()) {
+    std::vector<std::int64_t> left_over = prepared.left_over();
+    std::sort(left_over.begin(), left_over.end());
+    for (const std::int64_t number : left_over) {
       const auto header = prepared.header_of(number);
       if (!header) return tl::unexpected(header.error());
       if (*header) {
@@ -136,7 +137,7 @@ struct RunFolder::Impl {
       auto told = signs->ledger.run_begins(header, its_name).and_then([&] { return tell_of_cut_off(); });
       if (!told) return told;
     }
-    return enter_runs_without_file();
+    return {};
   }
 
   Result<void> has_room() {
@@ -150,23 +151,25 @@ struct RunFolder::Impl {
                           " more there");
   }
 
-  // Enters the end of the last run into the ledger, if it is not there yet.
-  Result<void> tell_of_end() {
-    if (!ended) return {};
-    auto told = signs->ledger.run_ends(*ended);
-    left = told ? Left::log : Left::refused_entry;
-    if (told) ended.reset();
-    return told;
+  // Why the ledger refuses the entries of the runs so far.
+  Result<void> ledger_takes() const {
+    std::string refused = ledger_jobs.refused();
+    return refused.empty() ? Result<void>() : tl::unexpected(std::move(refused));
   }
 
-  // A copy of the ledger's file alone would lack the entries in the log. If the merge fails, they stay there. Any
-  // thread.
-  void merge_log() { [[maybe_unused]] const auto merged = signs->ledger.merge_log(); }
-
-  // Enters the run that begins; with it the end of the one before, if that is not in the ledger yet. Any thread, while
-  // no other uses the ledger.
-  Result<void> enter(const RunHeader& header) {
-    return ended ? signs->ledger.run_follows(*ended, header, name) : signs->ledger.run_begins(header, name);
+  // Has the ledger take an entry after those of the runs so far; fails if it refuses those.
+  std::future<Result<void>> enter(std::function<Result<void>(Ledger&)> entry) {
+    auto done = std::make_shared<std::promise<Result<void>>>();
+    std::future<Result<void>> outcome = done->get_future();
+    if (!signs) {
+      done->set_value(tl::unexpected(std::string("the ledger is not open")));
+      return outcome;
+    }
+    disk_jobs.start([this, entry = std::move(entry), done]() -> Result<void> {
+      done->set_value(ledger_takes().and_then([&] { return entry(signs->ledger); }));
+      return {};
+    });
+    return outcome;
   }
 
   void remove_file() {
@@ -174,21 +177,7 @@ struct RunFolder::Impl {
     if (has_name)
       for (const char* part : {"", "-wal", "-shm"}) unlink((options.directory + "/" + name + part).c_str());
     if (has_first_name) prepared.remove(run);
-  }
-
-  // Enters a run without a file into the ledger, with the reason.
-  void give_up(const std::string& why) {
-    remove_file();
-    reserve.release();
-    const Ledger::Ending without_entry{run, {}, 0, kCutOff};
-    auto told = signs->ledger.run_ends(without_entry);
-    if (!told) {
-      ended = without_entry;  // tell_of_end() tries again; the next start enters it as deleted
-      left = Left::refused_entry;
-    }
-    if (told) told = signs->ledger.run_deleted(run, "its file could not be made: " + why);
     name.clear();
-    [[maybe_unused]] auto held = reserve.hold();
   }
 
   Result<void> fill_file(const RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
@@ -205,11 +194,7 @@ struct RunFolder::Impl {
 };
 
 RunFolder::RunFolder(FolderOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
-RunFolder::~RunFolder() {
-  impl_->disk_jobs.settle();
-  if (impl_->signs) [[maybe_unused]]
-    const auto told = impl_->tell_of_end();
-}
+RunFolder::~RunFolder() = default;
 
 Result<void> RunFolder::open() {
   Impl& self = *impl_;
@@ -222,7 +207,9 @@ Result<void> RunFolder::open() {
   self.signs.emplace(std::move(*signs));
   auto told = self.tell_of_crash();
   if (told) {
-    self.prepared.make(self.signs->ledger.next_run());
+    self.next_run = self.signs->ledger.next_run();
+    self.previous_head = self.signs->ledger.newest_head();
+    self.prepared.make(self.next_run);
     told = self.signs->ledger.merge_log();
   }
   if (!told) {
@@ -239,61 +226,47 @@ Result<void> RunFolder::ready() {
   Impl& self = *impl_;
   if (auto opened = open(); !opened) return opened;
   if (self.file) return {};
-  if (self.ended) {
-    if (auto told = self.tell_of_end(); !told) return told;
-  } else if (self.left == Impl::Left::log) {
-    self.left = Impl::Left::nothing;
-    self.disk_jobs.start([&self]() -> Result<void> {
-      self.merge_log();
-      return {};
-    });
+  self.prepared.make(self.next_run);
+  if (!self.disk_jobs.idle()) return {};
+  if (self.ledger_jobs.any()) {
+    auto takes = self.ledger_takes();
+    self.ledger_jobs.again();
+    return takes;
   }
-  auto can = self.has_room();
-  if (can) self.prepared.make(self.signs->ledger.next_run());
-  return can;
+  return self.has_room();
 }
 
 Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
   Impl& self = *impl_;
-  auto can = open().and_then([&] { return self.has_room(); });
+  auto can = open().and_then([&] { return self.ledger_takes(); }).and_then([&] { return self.has_room(); });
   if (!can) return can;
   auto id = random_id();
   if (!id) return tl::unexpected(id.error());
   header.id = std::move(*id);
-  header.run = self.signs->ledger.next_run();
-  // A run without an entry has no head.
-  header.previous_head = self.ended && !self.ended->head.empty() ? self.ended->head : self.signs->ledger.newest_head();
+  header.run = self.next_run;
+  header.previous_head = self.previous_head;
   header.vkey = self.signs->key.public_key().vkey();
   self.run = header.run;
   self.origin = "dwell/run/" + header.id;
   self.name = run_file_name(self.options.rig, header.run, compact_utc(header.start_utc));
-  // Ledger and file at once, since each waits for the disk. A crash may leave one without the other: open() knows both.
-  auto entered = std::async([&] { return self.enter(header); });
   auto begun = self.fill_file(header, t_ns, first);
-  const auto told = entered.get();
-  if (told) {
-    self.ended.reset();
-    self.left = Impl::Left::nothing;
-  }
-  if (told && begun) {
-    self.disk_jobs.start(
-        [first_name = self.prepared.path_of(self.run), kept = self.options.directory + "/" + self.name] {
-          return ChainWriter::drop_name(first_name, kept);
-        });
+  if (!begun) {
+    self.remove_file();
     return begun;
   }
-  if (told) {
-    self.give_up(begun.error());
-    return begun;
-  }
-  self.remove_file();
-  self.name.clear();
-  return told;
+  ++self.next_run;
+  // The file first: a ledger that knows the run is right to miss it where its file is gone.
+  self.ledger_jobs.add(
+      [ledger = &self.signs->ledger, header, name = self.name] { return ledger->run_begins(header, name); });
+  self.ledger_jobs.add([first_name = self.prepared.path_of(self.run), kept = self.options.directory + "/" + self.name] {
+    return ChainWriter::drop_name(first_name, kept);
+  });
+  return begun;
 }
 
 Result<void> RunFolder::write(std::span<const NewEntry> batch) {
-  auto written = append_and_commit(*impl_->file, batch);
-  if (written) impl_->prepared.make(impl_->run + 1);
+  auto written = impl_->ledger_takes().and_then([&] { return append_and_commit(*impl_->file, batch); });
+  if (written) impl_->prepared.make(impl_->next_run);
   // The reason is in the run's own file.
   const std::string path = impl_->options.directory + "/" + impl_->name + ": ";
   if (!written && written.error().substr(0, path.size()) == path)
@@ -301,39 +274,49 @@ Result<void> RunFolder::write(std::span<const NewEntry> batch) {
   return written;
 }
 
-// The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry: ready()
-// takes it back only after that.
+// The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry and log:
+// ready() takes it back only after that. A copy of the ledger's file alone would lack the entries in its log; if the
+// log cannot be merged, they stay there.
 Result<void> RunFolder::end(std::span<const NewEntry> last) {
   Impl& self = *impl_;
   self.reserve.release();
-  const auto written = append_and_commit(*self.file, last);
+  const auto written = append_and_commit(*self.file, last, true);
   self.last_head = self.head();
   if (self.ended_files.size() == kMostEnded) self.ended_files.erase(self.ended_files.begin());
   self.ended_files.push_back({self.name, *self.last_head});
-  self.ended = {self.run, hex(self.last_head->head), self.last_head->seq, written ? kClosed : kCutOff};
+  self.previous_head = hex(self.last_head->head);
+  Ledger* const ledger = &self.signs->ledger;
+  self.ledger_jobs.add(
+      [ledger, ending = Ledger::Ending{self.run, self.previous_head, self.last_head->seq,
+                                       written ? kClosed : kCutOff}] { return ledger->run_ends(ending); });
+  // Not before the file has lost its first name: its log has that name too.
   if (written)
-    self.disk_jobs.start([file = std::make_unique<ChainWriter>(std::move(*self.file)), name = self.name] {
-      return file->close().map_error(
-          [&](const Failure& why) { return Failure(name + " could not be closed: " + why); });
+    self.ledger_jobs.add([file = std::make_shared<ChainWriter>(std::move(*self.file)), name = self.name,
+                          jobs = &self.disk_jobs]() -> Result<void> {
+      if (const auto closed = file->close(); !closed)
+        jobs->failed(name + " could not be closed: " + std::string(closed.error()));
+      return {};
     });
   self.file.reset();
   self.name.clear();
-  self.left = Impl::Left::entry;
+  self.ledger_jobs.add([ledger]() -> Result<void> {
+    [[maybe_unused]] const auto merged = ledger->merge_log();
+    return {};
+  });
   return written;
 }
 
 std::shared_future<void> RunFolder::closed() const { return impl_->disk_jobs.done(); }
+bool RunFolder::busy() const { return !impl_->disk_jobs.idle(); }
 void RunFolder::settle() {
-  if (impl_->left != Impl::Left::nothing)
-    impl_->disk_jobs.start([self = impl_.get()] { return self->tell_of_end().map([self] { self->merge_log(); }); });
+  if (impl_->ledger_jobs.any()) impl_->ledger_jobs.again();
   impl_->prepared.wait();
   impl_->disk_jobs.settle();
-  if (!impl_->ended) impl_->left = Impl::Left::nothing;
 }
 std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
 std::vector<EndedRunFile> RunFolder::take_ended() {
-  if (impl_->left == Impl::Left::entry) return {};
+  if (!impl_->disk_jobs.idle()) return {};
   return std::exchange(impl_->ended_files, {});
 }
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
@@ -350,16 +333,14 @@ bool RunFolder::knows(std::int64_t run, const std::string& file) const {
   return impl_->signs->ledger.file_of(run) == file;
 }
 
-Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& why) {
-  if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
-  // A crash, a stop or a failure came between that entry and the removal of the file.
-  if (impl_->signs->ledger.is_deleted(run)) return {};
-  return impl_->tell_of_end().and_then([&] { return impl_->signs->ledger.run_deleted(run, why); });
+std::future<Result<void>> RunFolder::run_signed(std::int64_t run, const PersonalSignature& signature) {
+  return impl_->enter([run, signature](Ledger& ledger) { return ledger.run_signed(run, signature); });
 }
 
-Result<void> RunFolder::run_signed(std::int64_t run, const PersonalSignature& signature) {
-  if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
-  return impl_->tell_of_end().and_then([&] { return impl_->signs->ledger.run_signed(run, signature); });
+// It may have the deletion already: a crash, a stop or a failure came between that entry and the removal of the file.
+std::future<Result<void>> RunFolder::run_deleted(std::int64_t run, const std::string& why) {
+  return impl_->enter(
+      [run, why](Ledger& ledger) { return ledger.is_deleted(run) ? Result<void>() : ledger.run_deleted(run, why); });
 }
 
 }  // namespace dwell::record

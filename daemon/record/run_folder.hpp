@@ -48,19 +48,19 @@ class RunFolder final : public RunStore {
   // The public key of the one with which the service signs. The folder must be open.
   [[nodiscard]] const PublicKey& key() const noexcept;
 
-  // After a run's end there is work left: the ledger's entry, then moving the ledger's log into its file (in the
-  // background). Each call does one of the two, so a run that begins waits for one at most.
   [[nodiscard]] Result<void> ready() override;
+  // The ledger's entry comes after this returns; if the ledger refuses it, write() fails.
   [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;
   [[nodiscard]] Result<void> write(std::span<const NewEntry> batch) override;
-  // Merges the -wal into the file in the background: the caller does not wait for that.
+  // The ledger's entry and moving the -wal into the file are left to the background: the caller does not wait for them.
   [[nodiscard]] Result<void> end(std::span<const NewEntry> last) override;
 
   // Ready when the files of all ended runs are closed. Until then others should leave them alone. Not valid: no run has
   // ended.
   [[nodiscard]] std::shared_future<void> closed() const;
-  // Does the rest of this work, and waits for all background work: files that are being closed, and the next file that
-  // is being made.
+  // Whether there is background work: files that are being closed, and entries for the ledger.
+  [[nodiscard]] bool busy() const;
+  // Waits for all of it, and for the next file that is being made.
   void settle();
   // The failures of background work since the last call, one sentence each.
   [[nodiscard]] std::vector<std::string> take_failures();
@@ -68,8 +68,7 @@ class RunFolder final : public RunStore {
   // Most ended runs that are kept until they are taken; older ones are forgotten, and listed when the service starts
   // again. Their anchors fit into the pipe of deliver_anchor().
   static constexpr std::size_t kMostEnded = 256;
-  // The runs that have ended since the last call, in their order, once the ledger has their ends or has refused one.
-  // No disk.
+  // The runs that have ended since the last call, in their order; none while the folder is busy. No disk.
   [[nodiscard]] std::vector<EndedRunFile> take_ended();
 
   // The run that open() found cut off, once.
@@ -81,10 +80,11 @@ class RunFolder final : public RunStore {
   [[nodiscard]] std::vector<Anchor> heads() const;
   // Whether the ledger has this run with this file. The folder must be open.
   [[nodiscard]] bool knows(std::int64_t run, const std::string& file) const;
-  // Adds a person's signature under a closed run to the ledger.
-  [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
-  // Enters the deletion into the ledger, unless it is there already. Only then may the run's file be deleted.
-  [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& why);
+  // Both write into the ledger in the background, after what waits there already, and are ready once it has the entry
+  // or has refused it: a person's signature under a closed run;
+  [[nodiscard]] std::future<Result<void>> run_signed(std::int64_t run, const PersonalSignature& signature);
+  // the deletion of a run, unless the ledger has it already. Only then may the run's file be deleted.
+  [[nodiscard]] std::future<Result<void>> run_deleted(std::int64_t run, const std::string& why);
 
  private:
   struct Impl;

@@ -32,8 +32,7 @@ class RunStore {
   // Writes a batch. It survives a loss of power once this returns.
   [[nodiscard]] virtual Result<void> write(std::span<const NewEntry> batch) = 0;
   // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, these entries
-  // are not written, and the file stays cut off. In any case there is no run afterwards. What need not be done at once
-  // is left to ready() or begin().
+  // are not written, and the file stays cut off. In any case there is no run afterwards.
   [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last) = 0;
 };
 

@@ -79,7 +79,7 @@ TEST_F(RecordVerbs, AuditSaysOfFilesBesideTheRunsWhatTheyAre) {
   alter(bad, "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 4");
   const std::string ledger = folder.path("ledger.dwell-ledger");
   auto made = record::Ledger::open(folder.path(""), key);
-  ASSERT_TRUE(made && made->begin_log());
+  ASSERT_TRUE(made && made->merge_log());
   const std::string reserve = folder.file("reserve", std::string(1000, '\0'));
   for (const auto& [file, words] : {std::pair(ledger, "is a ledger, no run file; `dwellctl audit --ledger` takes it"),
                                     std::pair(ledger + "-wal", "is the -wal of a run or a ledger"),

@@ -349,7 +349,7 @@ TEST(Audit, TheLedgerCutTogetherWithTheNewestRunsIsFoundOnlyByAnAnchor) {
   EXPECT_EQ(audit_ledger(path, scratch.path(), with_anchors(scratch, to_line(of_run)))->missing.size(), 1u);
 }
 
-// Whoever removes the file of a run that was cut off makes the service enter that it never had one.
+// Whoever damages the file of a run that was cut off makes the service enter its end without a head.
 TEST(Audit, ARunWithoutAnEntryByTheLedgerIsMissingWhereAnAnchorKnowsAnEntry) {
   const Scratch scratch(true);
   Ledger ledger = recorded(scratch, 1);
@@ -357,7 +357,7 @@ TEST(Audit, ARunWithoutAnEntryByTheLedgerIsMissingWhereAnAnchorKnowsAnEntry) {
   header.previous_head = ledger.newest_head();
   ASSERT_TRUE(ledger.run_begins(header, "b.dwell"));
   ASSERT_TRUE(ledger.run_ends({2, "", 0, "cut off"}));
-  ASSERT_TRUE(ledger.run_deleted(2, "it was cut off before it had a file"));
+  ASSERT_TRUE(ledger.run_deleted(2, "older than 90 days"));
   const std::string path = scratch.path("ledger.dwell-ledger");
   EXPECT_TRUE(audit_ledger(path, scratch.path(), {})->missing.empty());
   Anchor anchor = ledger.head();

@@ -1,5 +1,5 @@
-// A loss of power right at the beginning of a run. The run's file and the ledger's entry are written at once, so either
-// may be there without the other, and the file may have its first name only.
+// A loss of power right at the beginning of a run. The run's file is written first, so it may be there without the
+// ledger's entry, and it may have its first name only.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -35,20 +35,22 @@ void copy_ledger(const std::string& from, const std::string& to) {
     fs::copy_file(from + "/" + name, to + "/" + name, fs::copy_options::overwrite_existing);
 }
 
-// Records `runs` runs, each right after the one before. The power is cut right after the last one's beginning; the
-// ledger as it was before that is in `ledger_before`.
-std::string record_and_crash(const std::string& directory, const std::string& ledger_before, int runs) {
+// Records `runs` runs, each right after the one before. The power is cut right after the last one's beginning. The
+// ledger as it was when it had heard of the beginning of `known` runs, but of no later end, is in `ledger_before`.
+std::string record_and_crash(const std::string& directory, const std::string& ledger_before, int runs, int known) {
   return in_child([&]() -> std::string {
     RunFolder folder(folder_options(directory));
     if (const auto ready = folder.ready(); !ready) return ready.error();
     RunHeader header = rig_header();
     header.start_utc = "2026-11-23T00:00:00Z";
+    folder.settle();
+    if (known == 0) copy_ledger(directory, ledger_before);
     for (int run = 1; run <= runs; ++run) {
-      if (run == runs) copy_ledger(directory, ledger_before);
       if (const auto begun = folder.begin(header, 1, one_event()); !begun) return begun.error();
       if (run == runs) break;
       if (const auto written = folder.write(one_event()); !written) return written.error();
       folder.settle();
+      if (run == known) copy_ledger(directory, ledger_before);
       if (const auto ended = folder.end(the_end()); !ended) return ended.error();
     }
     folder.settle();
@@ -66,7 +68,8 @@ std::string run_file_of(const std::string& directory, std::int64_t run) {
 // The file as it is before its name is sure to survive.
 void give_first_name(const std::string& directory, std::int64_t run) {
   const std::string file = run_file_of(directory, run), first = directory + "/next-" + std::to_string(run) + ".new";
-  for (const char* part : {"", "-wal"}) fs::rename(file + part, first + part);
+  for (const char* part : {"", "-wal"})
+    if (fs::exists(file + part)) fs::rename(file + part, first + part);
 }
 
 std::string ledger_says(const std::string& directory) {
@@ -113,7 +116,7 @@ void expect_adopted(const std::string& directory, std::int64_t run) {
 
 TEST(ALossOfPowerAsARunBegins, LeavesTheRunWhereTheLedgerHasNotHeardOfIt) {
   const Scratch scratch, before;
-  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
   copy_ledger(before.path(), scratch.path());
   give_first_name(scratch.path(), 1);
   expect_adopted(scratch.path(), 1);
@@ -121,14 +124,14 @@ TEST(ALossOfPowerAsARunBegins, LeavesTheRunWhereTheLedgerHasNotHeardOfIt) {
 
 TEST(ALossOfPowerAsARunBegins, LeavesTheRunUnderItsFirstName) {
   const Scratch scratch, before;
-  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
   give_first_name(scratch.path(), 1);
   expect_adopted(scratch.path(), 1);
 }
 
 TEST(ALossOfPowerAsARunBegins, LeavesTheRunUnderBothNames) {
   const Scratch scratch, before;
-  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
   for (const char* part : {"", "-wal"})
     fs::create_hard_link(run_file_of(scratch.path(), 1) + part, scratch.path("next-1.new") + part);
   expect_adopted(scratch.path(), 1);
@@ -136,7 +139,7 @@ TEST(ALossOfPowerAsARunBegins, LeavesTheRunUnderBothNames) {
 
 TEST(ALossOfPowerAsARunBegins, LeavesTheLogAloneWithItsSecondName) {
   const Scratch scratch, before;
-  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
   const std::string log = run_file_of(scratch.path(), 1) + "-wal";
   give_first_name(scratch.path(), 1);
   fs::create_hard_link(scratch.path("next-1.new-wal"), log);
@@ -145,11 +148,50 @@ TEST(ALossOfPowerAsARunBegins, LeavesTheLogAloneWithItsSecondName) {
 
 TEST(ALossOfPowerAsARunBegins, LeavesBothRunsWhereTheLedgerHasHeardOfNeitherTheEndOfOneNorOfTheOther) {
   const Scratch scratch, before;
-  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 2), "");
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 2, 1), "");
   copy_ledger(before.path(), scratch.path());
   give_first_name(scratch.path(), 2);
   expect_adopted(scratch.path(), 2);
   EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), 1), scratch.path()), AuditState::intact);
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesAllRunsWhereTheLedgerHasHeardOfNone) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 3, 0), "");
+  copy_ledger(before.path(), scratch.path());
+  for (const int run : {1, 2, 3}) give_first_name(scratch.path(), run);
+  expect_adopted(scratch.path(), 3);
+  for (const int run : {1, 2})
+    EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), run), scratch.path()), AuditState::intact) << "run " << run;
+}
+
+// The ledger took it for one that never had a file, and said so.
+TEST(ALossOfPowerAsARunBegins, DoesNotExcuseTheRunWhoseFileSomebodyRemoved) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
+  const std::string file = run_file_of(scratch.path(), 1);
+  for (const char* part : {"", "-wal"}) fs::remove(file + part);
+  for (int start = 0; start < 2; ++start) {
+    RunFolder folder(folder_options(scratch.path()));
+    ASSERT_TRUE(folder.open()) << "start " << start;
+  }
+  EXPECT_NE(ledger_says(scratch.path()).find("missing: run 1 "), std::string::npos) << ledger_says(scratch.path());
+}
+
+// Audited by somebody else at that moment, it looked like a run that was slipped in.
+TEST(ARunThatTheLedgerDoesNotKnowYet, IsNeitherTamperedNorIntact) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
+  copy_ledger(before.path(), scratch.path());
+  const std::string file = run_file_of(scratch.path(), 1), first = scratch.path("next-1.new");
+  fs::create_hard_link(file, first);
+  AuditOptions options;
+  options.ledger = scratch.path("ledger.dwell-ledger");
+  const auto audit = audit_run(file, options);
+  ASSERT_FALSE(audit);
+  EXPECT_EQ(audit.error(), file + ": written to while it was read: read it again");
+  fs::remove(first);
+  EXPECT_EQ(audit_run(file, options)->where, "the ledger does not know run 1") << "it was slipped in";
 }
 
 TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
@@ -167,6 +209,36 @@ TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
   ASSERT_TRUE(folder.open());
   EXPECT_FALSE(folder.take_cut_off());
   EXPECT_EQ(ledger_says(scratch.path()), "");
+}
+
+// Recording without an entry in the ledger would go unnoticed until an audit.
+TEST(ALedgerThatRefusesTheBeginningOfARun, EndsTheRecordingAndGetsItsEntriesWhenItCanTakeThem) {
+  const Scratch scratch;
+  const std::string ledger = scratch.path("ledger.dwell-ledger"), away = scratch.path("away");
+  {
+    RunFolder folder(folder_options(scratch.path()));
+    ASSERT_TRUE(folder.ready());
+    folder.settle();
+    fs::rename(ledger, away);
+    RunHeader header = rig_header();
+    header.start_utc = "2026-11-23T00:00:00Z";
+    ASSERT_TRUE(folder.begin(header, 1, one_event()));
+    folder.settle();
+    const std::string why = ledger + ": was removed while it was written";
+    EXPECT_EQ(folder.write(one_event()).error(), why);
+    EXPECT_TRUE(folder.end(the_end())) << "the file is closed";
+    folder.settle();
+    EXPECT_EQ(folder.ready().error(), why);
+    EXPECT_EQ(folder.begin(header, 1, one_event()).error(), why);
+    fs::rename(away, ledger);
+    [[maybe_unused]] const auto tries = folder.ready();
+    folder.settle();
+    EXPECT_TRUE(folder.ready());
+    EXPECT_EQ(folder.take_ended().size(), 1U);
+  }
+  EXPECT_EQ(ledger_says(scratch.path()), "");
+  EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), 1), scratch.path()), AuditState::intact);
+  EXPECT_FALSE(fs::exists(scratch.path("next-1.new")));
 }
 
 // The full name of the run, at which something else stands.
@@ -200,8 +272,8 @@ TEST(AFileAtTheFirstNameOfARun, ThatComesWhileTheServiceRunsIsNotDeleted) {
     fs::rename(scratch.path("next-1.new-wal"), scratch.path("elsewhere-wal"));
     RunHeader header = rig_header();
     header.start_utc = "2026-11-23T00:00:00Z";
-    file = scratch.write("next-2.new", "foreign");
     ASSERT_FALSE(folder.begin(header, 1, one_event())) << "its prepared file is gone";
+    file = scratch.write("next-1.new", "foreign");
     ASSERT_FALSE(folder.begin(header, 1, one_event())) << "its first name is another file's";
   }
   EXPECT_EQ(Scratch::read(file), "foreign");
@@ -216,12 +288,13 @@ TEST(AFileAtTheNameOfARun, IsNotTheRunsAndStays) {
   header.start_utc = "2026-11-23T00:00:00Z";
   EXPECT_FALSE(folder.begin(header, 1, one_event()));
   EXPECT_EQ(Scratch::read(file), "foreign");
-  EXPECT_TRUE(folder.begin(header, 1, one_event())) << "the next run has another name";
+  header.start_utc = "2026-11-23T00:00:01Z";
+  EXPECT_TRUE(folder.begin(header, 1, one_event())) << "a second later it has another name";
 }
 
 TEST(AFileAtTheNameOfARun, IsNotTakenForTheRunThatACrashLeftAtItsFirstName) {
   const Scratch scratch, before;
-  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
   give_first_name(scratch.path(), 1);
   const std::string file = foreign_file(scratch);
   RunFolder folder(folder_options(scratch.path()));

@@ -17,7 +17,8 @@
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/job_thread.hpp"
-#include "daemon/record/prepared_run.hpp"
+#include "daemon/record/kept_jobs.hpp"
+#include "daemon/record/prepared_runs.hpp"
 #include "daemon/record/retention.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "tests/record/scratch.hpp"
@@ -93,13 +94,44 @@ TEST(DiskJobs, AJobKeepsItsFileAndIsDoneIfTheSystemGivesNoThread) {
   EXPECT_EQ(seen, 7);
 }
 
-TEST(PreparedRun, IsMadeAtItsPathIfTheSystemGivesNoThread) {
+TEST(KeptJobs, AreDoneInTheirOrderAndOneThatFailsKeepsThoseAfterItUntilItSucceeds) {
+  DiskJobs thread;
+  KeptJobs jobs(thread);
+  std::string done;
+  bool full = true;
+  jobs.add([&done]() -> Result<void> {
+    done += 'a';
+    return {};
+  });
+  jobs.add([&]() -> Result<void> {
+    if (full) return tl::unexpected(std::string("disk full"));
+    done += 'b';
+    return {};
+  });
+  jobs.add([&done]() -> Result<void> {
+    done += 'c';
+    return {};
+  });
+  thread.settle();
+  EXPECT_EQ(done, "a");
+  EXPECT_TRUE(jobs.any());
+  EXPECT_EQ(jobs.refused(), "disk full");
+  full = false;
+  jobs.again();
+  thread.settle();
+  EXPECT_EQ(done, "abc");
+  EXPECT_FALSE(jobs.any());
+  EXPECT_EQ(jobs.refused(), "");
+  EXPECT_TRUE(thread.take_failures().empty()) << "they are told by refused()";
+}
+
+TEST(PreparedRuns, AreMadeAtTheirPathsIfTheSystemGivesNoThread) {
   const Scratch scratch;
-  PreparedRun prepared(scratch.path(""));
+  PreparedRuns prepared(scratch.path(""));
   const NoThreads scarce;
   prepared.make(3);
   prepared.wait();
-  EXPECT_TRUE(std::filesystem::exists(prepared.path_of(3))) << prepared.path_of(3);
+  for (const int run : {3, 4}) EXPECT_TRUE(std::filesystem::exists(prepared.path_of(run))) << prepared.path_of(run);
 }
 
 TEST(DiskReserve, HoldsBlocksAndGivesThemFree) {

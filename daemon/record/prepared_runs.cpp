@@ -1,10 +1,13 @@
-#include "daemon/record/prepared_run.hpp"
+#include "daemon/record/prepared_runs.hpp"
 
 #include <unistd.h>
 
 #include <charconv>
 #include <filesystem>
+#include <iterator>
 #include <string_view>
+
+#include "daemon/record/file_name.hpp"
 
 namespace dwell::record {
 namespace {
@@ -24,28 +27,29 @@ std::int64_t run_of(std::string_view name) {
 
 }  // namespace
 
-std::string PreparedRun::path_of(std::int64_t run) const {
-  return directory_ + "/" + std::string(kFront) + std::to_string(run) + std::string(kBack);
+std::string PreparedRuns::path_of(std::int64_t run) const { return directory_ + "/" + first_name_of_run(run); }
+
+void PreparedRuns::make(std::int64_t run) {
+  for (auto one = made_.begin(); one != made_.end();)
+    one = one->first == run || one->first == run + 1 ? std::next(one) : discard(one);
+  for (const std::int64_t number : {run, run + 1}) {
+    if (made_.contains(number)) continue;
+    // Copied: if no thread can be begun, whoever waits makes the file, and std::async loses what is moved into it.
+    const auto create = [path = path_of(number)] { return ChainWriter::create_ahead(path, ChainSort::run); };
+    made_.emplace(number, std::async(create));
+  }
 }
 
-void PreparedRun::make(std::int64_t run) {
-  if (run_ == run) return;
-  discard();
-  run_ = run;
-  // Copied: if no thread can be begun, whoever waits makes the file, and std::async loses what is moved into it.
-  const auto create = [path = path_of(run)] { return ChainWriter::create_ahead(path, ChainSort::run); };
-  made_ = std::async(create);
-}
-
-Result<ChainWriter> PreparedRun::take(std::int64_t run) {
+Result<ChainWriter> PreparedRuns::take(std::int64_t run) {
   make(run);
-  Result<ChainWriter> file = made_.get();
-  run_ = 0;
+  const auto own = made_.find(run);
+  Result<ChainWriter> file = own->second.get();
+  made_.erase(own);
   if (file) return file;
   return ChainWriter::create_ahead(path_of(run), ChainSort::run);
 }
 
-std::vector<std::int64_t> PreparedRun::left_over() const {
+std::vector<std::int64_t> PreparedRuns::left_over() const {
   std::vector<std::int64_t> runs;
   std::error_code failed;
   for (std::filesystem::directory_iterator entry(directory_, failed), none; !failed && entry != none;
@@ -54,7 +58,7 @@ std::vector<std::int64_t> PreparedRun::left_over() const {
   return runs;
 }
 
-Result<std::optional<RunHeader>> PreparedRun::header_of(std::int64_t run) const {
+Result<std::optional<RunHeader>> PreparedRuns::header_of(std::int64_t run) const {
   const std::string path = path_of(run);
   const auto unclear = [](const std::string& why) {
     return tl::unexpected(why + "; it may hold a run: move it elsewhere");
@@ -69,15 +73,17 @@ Result<std::optional<RunHeader>> PreparedRun::header_of(std::int64_t run) const 
   return std::move(*header);
 }
 
-void PreparedRun::remove(std::int64_t run) const noexcept {
+void PreparedRuns::remove(std::int64_t run) const noexcept {
   for (const char* part : {"-wal", ""}) unlink((path_of(run) + part).c_str());
 }
 
-void PreparedRun::discard() {
-  if (run_ == 0) return;
-  const bool made = made_.get().has_value();
-  if (made) remove(run_);
-  run_ = 0;
+void PreparedRuns::discard() {
+  for (auto one = made_.begin(); one != made_.end();) one = discard(one);
+}
+
+PreparedRuns::Made::iterator PreparedRuns::discard(Made::iterator one) {
+  if (one->second.get()) remove(one->first);
+  return made_.erase(one);
 }
 
 }  // namespace dwell::record

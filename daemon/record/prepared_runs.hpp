@@ -1,9 +1,10 @@
-// The file of the next run, made before the run begins: making one takes four waits for the disk, and data that come
-// meanwhile are in memory only.
+// The files of the next two runs, made before the runs begin: making one takes four waits for the disk, and data that
+// come meanwhile are in memory only. Two, since one run may follow another before a new file is made.
 #pragma once
 
 #include <cstdint>
 #include <future>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,21 +14,22 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Makes the file on a thread of its own.
-class PreparedRun {
+// Bound to one thread. Makes each file on a thread of its own.
+class PreparedRuns {
  public:
-  explicit PreparedRun(std::string directory) : directory_(std::move(directory)) {}
-  ~PreparedRun() { discard(); }
-  PreparedRun(const PreparedRun&) = delete;
-  PreparedRun& operator=(const PreparedRun&) = delete;
+  explicit PreparedRuns(std::string directory) : directory_(std::move(directory)) {}
+  ~PreparedRuns() { discard(); }
+  PreparedRuns(const PreparedRuns&) = delete;
+  PreparedRuns& operator=(const PreparedRuns&) = delete;
 
-  // Makes the file of this run, unless it is there or being made.
+  // Makes the files of this run and of the one after it, unless they are there or being made. Removes all others that
+  // no run has taken.
   void make(std::int64_t run);
-  // Removes the file if no run has taken it.
+  // Removes the files that no run has taken.
   void discard();
-  // Waits until it is made.
+  // Waits until all are made.
   void wait() const {
-    if (made_.valid()) made_.wait();
+    for (const auto& [run, file] : made_) file.wait();
   }
   // The file of this run, at path_of(run). Waits if it is not there yet. If it could not be made, tries once more.
   // Fails if another file stands at that name; that file stays.
@@ -45,9 +47,11 @@ class PreparedRun {
   void remove(std::int64_t run) const noexcept;
 
  private:
+  using Made = std::map<std::int64_t, std::future<Result<ChainWriter>>>;
+  Made::iterator discard(Made::iterator one);
+
   const std::string directory_;
-  std::int64_t run_ = 0;  // 0: none
-  std::future<Result<ChainWriter>> made_;
+  Made made_;
 };
 
 }  // namespace dwell::record
