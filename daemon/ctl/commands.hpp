@@ -97,9 +97,10 @@ struct KeyOptions {
 [[nodiscard]] int channels(const Service& service);
 [[nodiscard]] int dwells(const Service& service);
 // Operators' requests to the service. rearm: end the dwell and settle anew. start_run, stop_run: begin and end a
-// recorded run. comment: empty: none.
+// recorded run. label_run: name the one that goes on. comment: empty: none.
 [[nodiscard]] int rearm(const Service& service, const std::string& comment);
 [[nodiscard]] int start_run(const Service& service, const std::string& label, const std::string& comment);
+[[nodiscard]] int label_run(const Service& service, const std::string& label, const std::string& comment);
 [[nodiscard]] int stop_run(const Service& service, const std::string& comment);
 // The list of alarms; kNo if there is any.
 [[nodiscard]] int alarms(const Service& service);

@@ -62,10 +62,17 @@ class OperatorVerbs {
     CLI::App* const start = verbs.add(
         "start", "begin a recorded run now; exit 1 if an operator's run goes on already, or if nothing is recorded",
         [&service, this] { return start_run(service, label_, comment_); });
-    add_text(start, "--label", label_, dwell::record::kLabelBytes, "what the run is")
-        ->required()
-        ->check([](const std::string& given) { return given.empty() ? "expected text" : ""; }, "");
+    const auto needs_label = [this](CLI::App* verb, const char* name) {
+      add_text(verb, name, label_, dwell::record::kLabelBytes, "what the run is")
+          ->required()
+          ->check([](const std::string& given) { return given.empty() ? "expected text" : ""; }, "");
+    };
+    needs_label(start, "--label");
     asks(start);
+    CLI::App* const label = verbs.add("label", "name the recorded run that goes on; exit 1 if none does",
+                                      [&service, this] { return label_run(service, label_, comment_); });
+    needs_label(label, "label");
+    asks(label);
     asks(verbs.add("stop", "end the recorded run now; exit 1 if none goes on",
                    [&service, this] { return stop_run(service, comment_); }));
     asks(verbs.add("rearm", "end the dwell here and settle anew",

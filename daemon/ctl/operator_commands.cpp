@@ -1,4 +1,4 @@
-// start, stop, rearm and acknowledge: what an operator asks of the service. Each of the first three enters the
+// start, stop, label, rearm and acknowledge: what an operator asks of the service. start, stop and rearm enter the
 // service's stream at its place there, with the name of the user who asked.
 #include <cstdio>
 #include <string>
@@ -59,6 +59,12 @@ int start_run(const Service& service, const std::string& label, const std::strin
   Json asked = request("start", comment);
   asked["label"] = label;
   return say(service, asked, "started: run \"" + label + "\" begins here and ends with \"dwellctl stop\"");
+}
+
+int label_run(const Service& service, const std::string& label, const std::string& comment) {
+  Json asked = request("label", comment);
+  asked["label"] = label;
+  return say(service, asked, "labelled: the run is \"" + label + "\"");
 }
 
 int stop_run(const Service& service, const std::string& comment) {

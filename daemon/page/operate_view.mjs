@@ -1,4 +1,4 @@
-// Acting on the rig from the page: logging in with the token, starting and stopping runs, re-arming the dwell. It is
+// Acting on the rig from the page: logging in with the token, starting, labelling and stopping runs, re-arming the dwell. It is
 // there only where the service takes orders over HTTP, or asks for the token before anything may be read.
 import { setText, show } from './dom.mjs';
 import { give, noteText, whileDisabled } from './order.mjs';
@@ -52,7 +52,7 @@ async function order(path, body, done) {
 function onSubmit(id, act) {
   $(id).addEventListener('submit', (event) => {
     event.preventDefault();
-    act();
+    act(event.submitter?.id);
   });
 }
 
@@ -63,9 +63,12 @@ export function beginOperate(changed) {
   };
   onSubmit('operate-login', () => orderThen('/api/v1/login', { token: $('operate-token').value.trim() }, 'Logged in.',
     () => { $('operate-token').value = ''; }));
-  onSubmit('operate-start', () => {
+  // The Enter key presses the first button, also where that is hidden.
+  onSubmit('operate-start', (button) => {
     const label = $('operate-label').value.trim();
-    orderThen('/api/v1/start', { label }, `Run "${label}" started.`, () => { $('operate-label').value = ''; });
+    const relabel = button === 'operate-relabel' || $('operate-begin').hidden;
+    const [path, done] = relabel ? ['/api/v1/label', `The run is "${label}" now.`] : ['/api/v1/start', `Run "${label}" started.`];
+    orderThen(path, { label }, done, () => { $('operate-label').value = ''; });
   });
   $('operate-stop').addEventListener('click', () => {
     if (confirm('Stop the run? Its file is closed.')) orderThen('/api/v1/stop', {}, 'Run stopped.');
@@ -94,6 +97,9 @@ export function showOperate({ health, refused, now }) {
   show($('operate-why'), !read);
   show($('operate-login'), !change);
   show($('operate-acts'), change);
-  show($('operate-start'), Boolean(run?.recorded) && run.begun_by !== 'operator');
+  const [begin, relabel] = [Boolean(run?.recorded) && run.begun_by !== 'operator', Boolean(run?.recorded && run.begun_by)];
+  show($('operate-start'), begin || relabel);
+  show($('operate-begin'), begin);
+  show($('operate-relabel'), relabel);
   show($('operate-stop'), Boolean(run?.begun_by));
 }

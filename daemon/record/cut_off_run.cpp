@@ -9,6 +9,7 @@
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/last_entry.hpp"
 #include "daemon/record/run_entries.hpp"
+#include "daemon/record/run_reader.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -49,7 +50,8 @@ Result<FileEnd> end_of_file(const std::string& directory, CutOffRun run) {
   found.closed = last->entry.kind == "end" || last->entry.kind == "signature";
   const auto header = parse_run_header((*first)->entry.body);
   if (header) {
-    found.run.label = header->label;
+    const auto read = RunReader::open(directory + "/" + found.run.file);
+    found.run.label = read ? read->header().label : header->label;
     found.run.comment = header->comment;
   }
   const auto began_ns = header ? parse_utc(header->start_utc) : tl::unexpected(header.error());

@@ -3,7 +3,7 @@
 // A request enters the ordered stream as a record with the request's number in Record::channel: `start` as
 // RunEdge::begins (and as RunEdge::ends of the run that it ends), `stop` as RunEdge::ends, `rearm` as Kind::action. The
 // sink gets the request before that record, so it knows every number that comes. Requests are numbered in the order of
-// the stream.
+// the stream. `label` changes nothing that the pipeline sees, so it has no record and the number 0.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@
 namespace dwell::record {
 
 struct Request {
-  std::uint16_t number = 0;  // 1 … 65535, then 1 again
-  std::string label;         // of start: the run's; empty: none
-  StoredEvent event;         // its `what` is "action"; the sink fills in position and instant of the record
+  std::uint16_t number = 0;  // 1 … 65535, then 1 again; 0: names the run that goes on
+  std::string label;         // of start and label: the run's; empty: none
+  StoredEvent event;         // its `what` is "action"; the sink fills in position and instant
 };
 
 // What keeps runs from being recorded.

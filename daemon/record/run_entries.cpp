@@ -97,6 +97,7 @@ void fields(Io& io, Of<Io, RunEnd>& end) {
   io("records", end.records);
   io("samples", end.samples);
   io("utc", end.utc);
+  io.may("label", end.label);
 }
 
 template <class Io>

@@ -59,7 +59,7 @@ struct Origin {
 struct RunHeader {
   std::int64_t run = 0;  // the ledger's number, from 1 on; 0: a child file, which no ledger knows
   std::string id;        // 32 hexadecimal digits, random
-  std::string label;     // as the operator gave it; empty: none
+  std::string label;     // as the operator gave it when the run began; empty: none
   std::string begun_by;  // "drive", "operator", "service" (which goes on after an interruption), "replay"
   std::optional<Person> person;
   std::string comment;
@@ -94,14 +94,14 @@ struct StoredModel {
   std::string result;  // of the public interface
 };
 
-// What happened. `what`: "state", "fault", "loss", "action", "recording", "clock", "alarm"; `text`: one line for
-// people.
+// What happened. `what`: "state", "fault", "loss", "action", "label", "recording", "clock", "alarm"; `text`: one line
+// for people.
 struct StoredEvent {
   std::uint64_t position = 0;
   std::string utc;
   std::string what;
   std::string text;
-  std::optional<Person> person;  // of an action
+  std::optional<Person> person;  // of an action or a label
   std::string before, after, comment;
 };
 
@@ -113,6 +113,7 @@ struct RunEnd {
   std::string why;  // "drive stopped", "operator", "service stopped", "disk full", …
   std::uint64_t records = 0, samples = 0;
   std::string utc;
+  std::string label{};  // the last that somebody gave the run while it went on; empty: the header's holds
 };
 
 // A person's signature over the head of entry `seq`.

@@ -78,6 +78,27 @@ void RunLog::record(const Record& record) {
   }
 }
 
+void RunLog::request(Request request) {
+  if (request.number == 0)
+    relabel(std::move(request));
+  else
+    requests_.add(std::move(request));
+}
+
+void RunLog::relabel(Request request) {
+  if (!run_ || !run_->ending.empty())
+    return options_.tell({Notice::Grade::warning,
+                          "the label \"" + request.label + "\" came when the run had ended: no run has it",
+                          0,
+                          {}});
+  StoredEvent event = std::move(request.event);
+  event.what = "label";
+  event.before = std::exchange(run_->header.label, request.label);
+  event.after = std::move(request.label);
+  run_->relabelled = true;
+  note(std::move(event));
+}
+
 void RunLog::note_request(const Record& record) {
   if (const Request* request = requests_.of(record)) event(request->event);
 }
@@ -115,12 +136,13 @@ void RunLog::publish(std::string kind, std::uint64_t position, std::string body)
 }
 
 void RunLog::event(StoredEvent event) {
-  if (event.utc.empty()) event.utc = utc_now();
   if (run_) return note(std::move(event));
+  if (event.utc.empty()) event.utc = utc_now();
   early_.add(cutter_.number(), std::move(event));
 }
 
 void RunLog::note(StoredEvent event) {
+  if (event.utc.empty()) event.utc = utc_now();
   if (event.position == 0) event.position = cutter_.number() + 1 - run_->born;
   notes_.push_back({"event", 0, to_json(event)});
 }
@@ -299,7 +321,9 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why) {
   const std::int64_t t_ns = run_->last_t_ns;
   batch.insert(batch.begin(), std::make_move_iterator(last_.begin()), std::make_move_iterator(last_.end()));
   last_.clear();
-  batch.push_back({"end", t_ns, to_json(RunEnd{why, run_->records, run_->samples, utc_now()})});
+  batch.push_back({"end", t_ns,
+                   to_json(RunEnd{why, run_->records, run_->samples, utc_now(),
+                                  run_->relabelled ? run_->header.label : std::string()})});
   const auto ended = store_.end(batch);
   const RunProgress run = *std::exchange(run_, std::nullopt);
   const std::string text = named(run.header) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +

@@ -30,8 +30,9 @@ namespace dwell::record {
 
 // The run that is being recorded. Counts what is written.
 struct RunProgress {
-  RunHeader header;
-  std::uint64_t born = 0;  // number of its first record since the service began
+  RunHeader header;         // its label as of now
+  bool relabelled = false;  // the label is not that of the file's header
+  std::uint64_t born = 0;   // number of its first record since the service began
   std::int64_t first_t_ns = 0, last_t_ns = 0;
   std::uint64_t records = 0, samples = 0, dwells = 0, bytes = 0;  // bytes: of the entries' bodies
   std::int64_t committed_ns = 0;                                  // the raw clock at the last commit
@@ -80,7 +81,7 @@ class RunLog {
   // `lost` records of the stream are missing here: the run ends.
   void gap(std::uint64_t lost);
   // The request whose number a later record will have. Must come before that record.
-  void request(Request request) { requests_.add(std::move(request)); }
+  void request(Request request);
   // Recording was interrupted, for instance by a crash: the next run says so.
   void interrupted(std::string how) { interruption_.interrupted_by(std::move(how)); }
   // Of the interrupted run: the one that goes on has them too.
@@ -108,6 +109,7 @@ class RunLog {
   void end_now(const std::string& why);
   void stop(const std::string& why);
   void fail(std::vector<NewEntry> batch, const std::string& reason);
+  void relabel(Request request);
   void close(std::vector<NewEntry> batch, std::string why);
   [[nodiscard]] std::vector<NewEntry> take_batch();
   [[nodiscard]] std::vector<NewEntry> take_notes(std::int64_t t_ns);

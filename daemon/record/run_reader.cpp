@@ -112,6 +112,20 @@ struct RunReader::Impl {
     });
   }
 
+  // The label that the run was given last. Without an end entry only the events tell.
+  [[nodiscard]] Result<void> read_label() {
+    if (end) {
+      if (!end->label.empty()) header.label = end->label;
+      return {};
+    }
+    return each(1, "event", [&](const Entry& entry) -> Result<bool> {
+      auto event = parse_event(entry.body);
+      if (!event) return tl::unexpected(event.error());
+      if (event->what == "label") header.label = std::move(event->after);
+      return true;
+    });
+  }
+
   using Records = std::vector<Record>;
 
   // The next block, in the memory of `records`; nullopt: there is none left.
@@ -188,6 +202,7 @@ Result<RunReader> RunReader::open(const std::string& path) {
   std::unique_ptr<Impl> impl(new Impl{.path = path, .chain = std::move(*chain)});
   if (const auto read = impl->read_header(); !read) return tl::unexpected(read.error());
   if (const auto read = impl->read_bounds(); !read) return tl::unexpected(read.error());
+  if (const auto read = impl->read_label(); !read) return tl::unexpected(read.error());
   return RunReader(std::move(impl));
 }
 

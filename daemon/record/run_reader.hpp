@@ -24,6 +24,7 @@ class RunReader {
   RunReader& operator=(RunReader&&) noexcept;
   ~RunReader();
 
+  // As the `run` entry has it, but with the label that the run was given last.
   [[nodiscard]] const RunHeader& header() const noexcept;
   // How the run ended; none: it is being recorded, or was cut off.
   [[nodiscard]] const std::optional<RunEnd>& end() const noexcept;

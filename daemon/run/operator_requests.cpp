@@ -16,6 +16,8 @@ std::string words(const OperatorRequest& request) {
       return "run \"" + request.label + "\" started";
     case Verb::stop:
       return "run stopped";
+    case Verb::label:
+      return "run labelled \"" + request.label + "\"";
     case Verb::rearm:
       return "dwell re-armed";
     case Verb::acknowledge:
@@ -55,10 +57,18 @@ std::string OperatorRequests::obstacle(Verb verb) const {
     if (recording.of_every_run)
       return "recording is stopped: " + recording.why + "; once that is mended, start the run again";
   }
-  if (verb == Verb::stop && operators_run_.empty() && !ended_.goes_on(run_.latest().run))
-    return "nothing to stop: no run goes on";
-  return {};
+  if (verb == Verb::stop && !run_goes_on()) return "nothing to stop: no run goes on";
+  return verb == Verb::label ? obstacle_to_label() : std::string();
 }
+
+std::string OperatorRequests::obstacle_to_label() const {
+  if (!run_goes_on()) return "nothing to label: no run goes on";
+  if (recorder_ == nullptr) return {};
+  const record::Obstacle recording = recorder_->obstacle();
+  return recording.why.empty() ? std::string() : "the run is not recorded: " + recording.why;
+}
+
+bool OperatorRequests::run_goes_on() const { return !operators_run_.empty() || ended_.goes_on(run_.latest().run); }
 
 std::string OperatorRequests::standing() const {
   if (!operators_run_.empty()) return operators_run_;
@@ -68,29 +78,38 @@ std::string OperatorRequests::standing() const {
 tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& request, const record::Person& by) {
   run_.refresh();
   if (std::string why = obstacle(request.verb); !why.empty()) return tl::unexpected(std::move(why));
-  number_ = number_ == UINT16_MAX ? std::uint16_t{1} : static_cast<std::uint16_t>(number_ + 1);
   record::Request told;
-  told.number = number_;
+  if (request.verb != Verb::label)
+    told.number = number_ = number_ == UINT16_MAX ? std::uint16_t{1} : static_cast<std::uint16_t>(number_ + 1);
   told.label = request.label;
   told.event.what = "action";
   told.event.text = words(request) + " by " + record::who(by);
   told.event.person = by;
+  told.event.comment = request.comment;
   const bool rearms = request.verb == Verb::rearm;
   told.event.before = rearms ? words(run_.latest().dwell) : standing();
-  told.event.comment = request.comment;
-  if (request.verb == Verb::start) operators_run_ = "run \"" + request.label + "\", started by " + record::who(by);
-  if (request.verb == Verb::start) ended_.started(run_.latest().run);
+  note(request, by);
+  told.event.after = rearms ? "a new dwell begins" : request.verb == Verb::stop ? "no run" : standing();
+  log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));
+  const std::uint16_t number = told.number;
+  if (recorder_ != nullptr) recorder_->request(std::move(told));
+  if (request.verb == Verb::start) run_.begin_run(number);
+  if (request.verb == Verb::stop) run_.end_run(number);
+  if (request.verb == Verb::rearm) run_.rearm(number);
+  return {};
+}
+
+void OperatorRequests::note(const OperatorRequest& request, const record::Person& by) {
+  if (request.verb == Verb::start) {
+    started_by_ = record::who(by);
+    ended_.started(run_.latest().run);
+  }
   if (request.verb == Verb::stop) {
     operators_run_.clear();
     ended_.stopped(run_.latest().run);
   }
-  told.event.after = rearms ? "a new dwell begins" : request.verb == Verb::stop ? "no run" : standing();
-  log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));
-  if (recorder_ != nullptr) recorder_->request(std::move(told));
-  if (request.verb == Verb::start) run_.begin_run(number_);
-  if (request.verb == Verb::stop) run_.end_run(number_);
-  if (request.verb == Verb::rearm) run_.rearm(number_);
-  return {};
+  if (request.verb == Verb::start || (request.verb == Verb::label && !operators_run_.empty()))
+    operators_run_ = "run \"" + request.label + "\", started by " + started_by_;
 }
 
 }  // namespace dwell

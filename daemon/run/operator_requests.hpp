@@ -1,5 +1,5 @@
 // Handles operators' requests: checks whether they can be done now, and writes to the record who asked for what. Every
-// request takes its place in the ordered stream.
+// request but `label` takes its place in the ordered stream.
 #pragma once
 
 #include <sys/types.h>
@@ -16,9 +16,9 @@
 namespace dwell {
 
 struct OperatorRequest {
-  enum class Verb : std::uint8_t { start, stop, rearm, acknowledge };
+  enum class Verb : std::uint8_t { start, stop, label, rearm, acknowledge };
   Verb verb = Verb::start;
-  std::string label;    // of start
+  std::string label;    // of start and label
   std::string comment;  // empty: none
   std::string alarm{};  // of acknowledge: its name
 };
@@ -32,12 +32,16 @@ class OperatorRequests {
   // Run and log must outlive this. recorder: null, or must outlive it too.
   OperatorRequests(Run& run, Log& log, record::RequestSink* recorder) : run_(run), log_(log), recorder_(recorder) {}
 
-  // The request enters the stream within 10 ms. Fails with the reason why it cannot be done. Not for `acknowledge`:
-  // that is Alarms::acknowledge().
+  // A request with a place in the stream enters it within 10 ms. Fails with the reason why it cannot be done. Not for
+  // `acknowledge`: that is Alarms::acknowledge().
   tl::expected<void, std::string> ask(const OperatorRequest& request, const record::Person& by);
 
  private:
   [[nodiscard]] std::string obstacle(OperatorRequest::Verb verb) const;
+  [[nodiscard]] std::string obstacle_to_label() const;
+  [[nodiscard]] bool run_goes_on() const;
+  // Takes the words for the state of the run over.
+  void note(const OperatorRequest& request, const record::Person& by);
   // The state of the run, in words.
   [[nodiscard]] std::string standing() const;
 
@@ -45,8 +49,9 @@ class OperatorRequests {
   Log& log_;
   record::RequestSink* recorder_;
   std::uint16_t number_ = 0;  // of the newest request
-  // The current operator's run, in words; empty: there is none. Only `stop` ends it, which comes through here too.
-  std::string operators_run_;
+  // The current operator's run and who started it, in words; empty: there is none. Only `stop` ends it, which comes
+  // through here too.
+  std::string operators_run_, started_by_;
   EndedRuns ended_;
 };
 

@@ -8,9 +8,10 @@
 namespace dwell {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kActions{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kActions{{
     {"/api/v1/start", "start"},
     {"/api/v1/stop", "stop"},
+    {"/api/v1/label", "label"},
     {"/api/v1/rearm", "rearm"},
     {"/api/v1/login", "login"},
     {"/api/v1/logout", "logout"},

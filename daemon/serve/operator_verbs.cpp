@@ -24,6 +24,7 @@ constexpr std::ptrdiff_t kMostBrackets = 64;
 std::optional<Verb> verb_of(std::string_view name) {
   if (name == "start") return Verb::start;
   if (name == "stop") return Verb::stop;
+  if (name == "label") return Verb::label;
   if (name == "rearm") return Verb::rearm;
   if (name == "acknowledge") return Verb::acknowledge;
   return std::nullopt;
@@ -43,11 +44,13 @@ tl::expected<std::string, NotDone> text_of(const Json& request, const char* key,
   return *text;
 }
 
+bool takes_label(Verb verb) { return verb == Verb::start || verb == Verb::label; }
+
 // The first member that this verb does not know: misspelt, a comment or a name would be lost without a word. The verb
 // itself stands in a line of the control socket.
 std::optional<std::string> unknown_member(Verb verb, const Json& request) {
   for (const auto& [key, value] : request.items())
-    if (key != "verb" && key != "comment" && !(verb == Verb::start && key == "label") &&
+    if (key != "verb" && key != "comment" && !(takes_label(verb) && key == "label") &&
         !(verb == Verb::acknowledge && key == "alarm"))
       return key;
   return std::nullopt;
@@ -56,6 +59,7 @@ std::optional<std::string> unknown_member(Verb verb, const Json& request) {
 const char* members_of(Verb verb) {
   switch (verb) {
     case Verb::start:
+    case Verb::label:
       return "label and comment";
     case Verb::acknowledge:
       return "alarm and comment";
@@ -100,7 +104,7 @@ tl::expected<void, NotDone> perform(std::string_view name, const Json& request, 
   if (!label) return tl::unexpected(label.error());
   if (!comment) return tl::unexpected(comment.error());
   if (!alarm) return tl::unexpected(alarm.error());
-  if (*verb == Verb::start && label->empty()) return unusable("no label: expected \"label\": \"what is measured\"");
+  if (takes_label(*verb) && label->empty()) return unusable("no label: expected \"label\": \"what is measured\"");
   if (*verb == Verb::acknowledge && alarm->empty())
     return unusable("no alarm: expected \"alarm\": \"the name of one\"");
   const auto done = operate({*verb, *label, *comment, *alarm});

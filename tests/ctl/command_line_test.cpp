@@ -67,8 +67,9 @@ TEST(CommandLine, StatusReadsTheTokenOnce) {
 TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
   const Outcome outcome = run({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* verb : {"status", "watch", "channels", "dwells", "start", "stop", "rearm", "check", "identify",
-                           "replay", "verify", "export", "audit", "runs", "show", "sign", "keygen", "report"}) {
+  for (const char* verb :
+       {"status", "watch", "channels", "dwells", "start", "stop", "label", "rearm", "check", "identify", "replay",
+        "verify", "export", "audit", "runs", "show", "sign", "keygen", "report"}) {
     EXPECT_NE(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
   for (const char* verb : {"reload", "tare"}) {
@@ -175,7 +176,7 @@ TEST(CommandLine, RearmAsksTheServiceAndSaysWhatCameOfIt) {
 TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
   const test::TemporaryFolder folder;
   const Reply done{"{\"done\":true}\n", true}, no{"{\"error\":\"nothing to stop: no run goes on\"}\n", true};
-  ScriptedServer server({done, done, done, no}, folder.path("control"));
+  ScriptedServer server({done, done, done, done, no}, folder.path("control"));
   const std::vector<std::string> at{"--control", folder.path("control")};
   const auto with = [&at](std::vector<std::string> words) {
     words.insert(words.end(), at.begin(), at.end());
@@ -188,11 +189,13 @@ TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
   EXPECT_EQ(with({"start", "--label", "a", "--json"}).out, "{\"done\":true}\n");
   EXPECT_EQ(with({"stop"}).out, "stopped: the run ends here\n");
   EXPECT_EQ(server.requests().at(2), R"({"verb":"stop"})");
+  EXPECT_EQ(with({"label", "oil film", "--comment", "as seen"}).out, "labelled: the run is \"oil film\"\n");
+  EXPECT_EQ(server.requests().at(3), R"({"verb":"label","comment":"as seen","label":"oil film"})");
   const Outcome refused = with({"stop", "--comment", "done"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.err.find("nothing to stop: no run goes on"), std::string::npos) << refused.err;
   EXPECT_EQ(run({"start", "--label", "a", "--control", "/nonexistent/control"}).code, 3);
-  EXPECT_EQ(with({"start"}).code, 2) << "a run has a label";
+  for (const char* verb : {"start", "label"}) EXPECT_EQ(with({verb}).code, 2) << verb << " without a label";
 }
 
 TEST(CommandLine, AnswersThatAreNotTheServicesAreExitCode3) {

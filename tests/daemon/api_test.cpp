@@ -404,7 +404,9 @@ TEST_F(ApiTest, ControlAnswersItsVerbs) {
   EXPECT_EQ(control(R"({"verb":"rearm"})")["done"], true);
   EXPECT_EQ(control(R"({"verb":"start","label":"sweep 3","comment":"ä new damper"})")["done"], true);
   EXPECT_EQ(control(R"({"verb":"stop"})")["done"], true);
-  ASSERT_EQ(asked.size(), 3u);
+  EXPECT_EQ(control(R"({"verb":"label","label":"oil film"})")["done"], true);
+  ASSERT_EQ(asked.size(), 4u);
+  EXPECT_EQ(asked[3].verb, OperatorRequest::Verb::label);
   EXPECT_EQ(asked[1].verb, OperatorRequest::Verb::start);
   EXPECT_EQ(asked[1].label, "sweep 3");
   EXPECT_EQ(asked[1].comment, "ä new damper");

@@ -22,7 +22,7 @@ HttpRequest post(std::string_view body) {
 int status(const std::optional<HttpReply>& refused) { return refused ? refused->status : 200; }
 
 TEST(HttpActions, AreTheVerbsOfTheControlSocket) {
-  for (const char* verb : {"start", "stop", "rearm"}) {
+  for (const char* verb : {"start", "stop", "label", "rearm"}) {
     EXPECT_EQ(posted_verb(std::string("/api/v1/") + verb), verb);
     EXPECT_TRUE(is_operator_verb(verb));
   }
@@ -68,6 +68,7 @@ TEST(HttpActions, AMemberThatTheVerbDoesNotKnowIsRefused) {
   EXPECT_EQ(why("rearm", R"({"coment":"new damper"})"), "\"coment\" is not understood: rearm takes comment");
   EXPECT_EQ(why("stop", R"({"label":"sweep 3"})"), "\"label\" is not understood: stop takes comment");
   EXPECT_EQ(why("start", R"({"label":"sweep 3","x":1})"), "\"x\" is not understood: start takes label and comment");
+  EXPECT_EQ(why("label", "{}"), "no label: expected \"label\": \"what is measured\"");
   EXPECT_EQ(asked, 0);
 }
 

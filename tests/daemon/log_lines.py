@@ -58,6 +58,7 @@ INDIRECT = {
     "daemon/run/operator_requests.cpp": [
         ("told.event.text", "info", "daemon/run/operator_requests.cpp", " started"),
         ("told.event.text", "info", "daemon/run/operator_requests.cpp", "run stopped"),
+        ("told.event.text", "info", "daemon/run/operator_requests.cpp", "run labelled"),
         ("told.event.text", "info", "daemon/run/operator_requests.cpp", "dwell re-armed"),
     ],
     "daemon/run/recording.cpp": [("notice.text", None, None, None)],  # the notices of the record, each found by itself

@@ -78,6 +78,27 @@ TEST_F(OperatorRequestsTest, AnOperatorsRunIsNotReplacedByAnother) {
   EXPECT_EQ(sink.requests.size(), 3u) << "what is refused is not told of";
 }
 
+TEST_F(OperatorRequestsTest, ARunThatGoesOnIsLabelledAndTheLabelHasNoPlaceInTheStream) {
+  begin(true);
+  EXPECT_EQ(ask(Verb::label, "oil film"), "nothing to label: no run goes on");
+  EXPECT_EQ(ask(Verb::start, "a"), "");
+  EXPECT_EQ(ask(Verb::label, "oil film", "as seen"), "");
+  ASSERT_EQ(sink.requests.size(), 2u);
+  const record::Request& label = sink.requests[1];
+  EXPECT_EQ(label.number, 0);
+  EXPECT_EQ(label.label, "oil film");
+  EXPECT_EQ(label.event.text, "run labelled \"oil film\" by anna (uid 1000)");
+  EXPECT_EQ(label.event.comment, "as seen");
+  EXPECT_EQ(ask(Verb::start, "b"),
+            "run \"oil film\", started by anna (uid 1000) goes on: stop it first, with dwellctl stop");
+  sink.in_the_way.why = "disk full";
+  EXPECT_EQ(ask(Verb::label, "dry"), "the run is not recorded: disk full");
+  EXPECT_EQ(sink.requests.size(), 2u) << "what is refused is not told of";
+  sink.in_the_way.why.clear();
+  EXPECT_EQ(ask(Verb::stop), "");
+  EXPECT_EQ(sink.requests.back().number, 2) << "numbers are of the stream";
+}
+
 TEST_F(OperatorRequestsTest, WhereTheDiskIsFullARunThatGoesOnIsNotBlamedForIt) {
   begin(true);
   EXPECT_EQ(ask(Verb::start, "a"), "");

@@ -150,6 +150,7 @@ TEST_F(ProcessTest, RecordsTheDrivesRunAndTheOneThatAnOperatorBrackets) {
     ASSERT_LT(std::chrono::steady_clock::now(), end) << now.dump(1);
     now = nlohmann::json::parse(ask(R"({"verb":"status"})"), nullptr, false);
   }
+  EXPECT_EQ(ask(R"({"verb":"label","label":"sweep 3, dry"})"), "{\"done\":true}\n");
   EXPECT_EQ(ask(R"({"verb":"stop","comment":"enough"})"), "{\"done\":true}\n");
   kill(child, SIGTERM);
   EXPECT_EQ(wait_for_end(), 0) << read("output");
@@ -168,7 +169,7 @@ TEST_F(ProcessTest, RecordsTheDrivesRunAndTheOneThatAnOperatorBrackets) {
   ASSERT_TRUE(drives->end() && operators->end());
   EXPECT_EQ(drives->end()->why, "operator");
   EXPECT_EQ(operators->header().begun_by, "operator");
-  EXPECT_EQ(operators->header().label, "sweep 3");
+  EXPECT_EQ(operators->header().label, "sweep 3, dry");
   EXPECT_EQ(operators->header().comment, "new damper");
   ASSERT_TRUE(operators->header().person);
   EXPECT_EQ(operators->header().person->uid, getuid());

@@ -134,7 +134,7 @@ test('every control is reached with the tabulator, the first is the way past the
   await page.close();
 });
 
-test('an operator logs in, starts a run, stops it and logs out, by keyboard', async () => {
+test('an operator logs in, starts a run, labels and stops it and logs out, by keyboard', async () => {
   const page = await open('phone');
   const said = (text) => page.locator('#operate-said', { hasText: text }).waitFor();
   const type = async (field, text) => {
@@ -160,7 +160,12 @@ test('an operator logs in, starts a run, stops it and logs out, by keyboard', as
   await type('#operate-label', 'sweep 3');
   await said('Run "sweep 3" started.');
   await page.locator('#facts', { hasText: 'sweep 3' }).waitFor();
+  await page.locator('#operate-relabel').waitFor();
   await check(page, 'operate-phone');
+  await page.waitForSelector('#operate-begin', { state: 'hidden' });
+  await type('#operate-label', 'oil film');
+  await said('The run is "oil film" now.');
+  await page.locator('#facts', { hasText: 'oil film' }).waitFor();
 
   let asked = '';
   page.on('dialog', (dialog) => {

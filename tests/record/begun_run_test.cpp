@@ -194,6 +194,34 @@ TEST(ARunThatTheLedgerDoesNotKnowYet, IsNeitherTamperedNorIntact) {
   EXPECT_EQ(audit_run(file, options)->where, "the ledger does not know run 1") << "it was slipped in";
 }
 
+TEST(ARunThatWasCutOff, HasTheLabelThatItWasGivenLast) {
+  const Scratch scratch;
+  ASSERT_EQ(in_child([&]() -> std::string {
+              RunFolder folder(folder_options(scratch.path()));
+              if (const auto ready = folder.ready(); !ready) return ready.error();
+              RunHeader header = rig_header();
+              header.start_utc = "2026-11-23T00:00:00Z";
+              StoredEvent event;
+              event.utc = "2026-11-23T00:00:00Z";
+              event.what = "label";
+              std::vector<NewEntry> labels;
+              for (const char* label : {"oil film", "dry"}) {
+                event.after = label;
+                labels.push_back({"event", 2, to_json(event)});
+              }
+              if (const auto begun = folder.begin(header, 1, labels); !begun) return begun.error();
+              folder.settle();
+              vanish();
+              return std::string();
+            }),
+            "");
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.open());
+  const auto cut_off = folder.take_cut_off();
+  ASSERT_TRUE(cut_off);
+  EXPECT_EQ(cut_off->label, "dry");
+}
+
 TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
   const Scratch scratch, before;
   ASSERT_EQ(in_child([&]() -> std::string {

@@ -189,6 +189,9 @@ TEST_F(HousekeeperTest, InPlaceOfARunThatIsProtectedMeanwhileTheNextOneIsDeleted
   JobThread jobs("runs");
   RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, list, jobs, notices.tell());
   deleter.turn({0, kMidnight_utc_ns}, nullptr, false);
+  EXPECT_EQ(list->all()->size(), 3U) << "the ledger is told first";
+  folder.settle();
+  deleter.turn({1, kMidnight_utc_ns}, nullptr, false);
   ASSERT_TRUE(jobs.settle(std::chrono::seconds(30)));
   deleter.take_outcomes();
   EXPECT_TRUE(notices.hold("-2-")) << notices.text();

@@ -159,6 +159,48 @@ TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosi
   EXPECT_EQ(end_of(run).why, "operator");
 }
 
+Request label_request(const std::string& label) {
+  Request request{.number = 0, .label = label, .event = {}};
+  request.event.what = "action";
+  request.event.text = "run labelled \"" + label + "\"";
+  request.event.person = Person{1000, "anna"};
+  return request;
+}
+
+TEST_F(RunLogTest, ARunThatGoesOnIsLabelledWithAnEventAndItsEndHasTheLastLabel) {
+  stream.starts();
+  stream.play(2.0);
+  log.request(label_request("oil film"));
+  EXPECT_EQ(log.progress()->header.label, "oil film");
+  const std::uint64_t at = stream.position();
+  log.request(label_request("dry"));
+  stream.play(2.0);
+  stream.ends();
+  stream.play(1.5);
+  const MemoryRun& run = store.runs[0];
+  const auto events = events_of(run);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].what, "label");
+  EXPECT_EQ(events[0].after, "oil film");
+  EXPECT_EQ(events[1].before, "oil film");
+  EXPECT_EQ(events[1].after, "dry");
+  EXPECT_EQ(events[1].position, at);
+  EXPECT_EQ(events[1].person->name, "anna");
+  EXPECT_EQ(end_of(run).label, "dry");
+  EXPECT_TRUE(told(" \"dry\" ended: "));
+}
+
+TEST_F(RunLogTest, ALabelThatComesWhenTheRunHasEndedIsInNoRunAndTheLogSaysSo) {
+  stream.starts();
+  stream.play(2.0);
+  stream.ends();
+  log.request(label_request("oil film"));
+  stream.play(1.5);
+  EXPECT_TRUE(events_of(store.runs[0]).empty());
+  EXPECT_EQ(end_of(store.runs[0]).label, "");
+  EXPECT_TRUE(told("the label \"oil film\" came when the run had ended: no run has it"));
+}
+
 TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
   stream.starts();
   stream.play(0.2);
