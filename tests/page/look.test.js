@@ -72,12 +72,6 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
       const [chain, coefficients, phasors] = await page.evaluate(() => ['chain', 'coefficients', 'phasors'].map((id) => document.getElementById(id).getBoundingClientRect()));
       assert.ok(chain.top < phasors.bottom && chain.top > coefficients.bottom && chain.right < phasors.left, 'the shape fills the room beside the phasors');
     }
-    if (size === 'wall') {
-      // Read from across the room, without scrolling.
-      const overflow = await page.evaluate(() => document.querySelector('#coefficients').getBoundingClientRect().bottom - window.innerHeight);
-      assert.ok(overflow <= 0, `${overflow} px of the coefficients are below the screen`);
-      assert.ok(await page.evaluate(() => parseFloat(getComputedStyle(document.querySelector('.coefficient .value')).fontSize)) >= 28);
-    }
     await page.close();
   });
 }

@@ -26,6 +26,17 @@ async function open(dwell) {
 }
 const withheld = (k, reason) => ({ k, identifiable: false, budget: [], reason });
 
+test('the coefficients of a usual rig are read from across the room, without scrolling', async () => {
+  const shown = await open(measured(4));
+  const { page } = shown;
+  await page.waitForSelector('#traces:not([hidden])');
+  const [overflow, letters] = await page.evaluate(() => [document.querySelector('#coefficients').getBoundingClientRect().bottom - window.innerHeight,
+    parseFloat(getComputedStyle(document.querySelector('.coefficient .value')).fontSize)]);
+  assert.ok(overflow <= 0, `${overflow} px of the coefficients are below the screen`);
+  assert.ok(letters >= 28, `the numbers are ${letters} px high`);
+  await shown.close();
+});
+
 // The note said that there was no room for element 4, which it covered itself.
 test('where the note at the foot would cover an element of a wall display, the elements are set closer', async () => {
   const shown = await open(measured(4));
