@@ -22,9 +22,11 @@ async function openPage(at, { size = 'desk', query = '', before: first = () => {
   page.complaints = [];
   page.on('pageerror', (error) => page.complaints.push(error.message));
   page.on('console', (message) => {
-    // A service that is gone or tells of its trouble (503) is the situation, not a fault of the page.
-    if (message.type() === 'error' && !/status of 503|ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY|ERR_SOCKET/.test(message.text()))
-      page.complaints.push(message.text());
+    // A service that is gone or tells of its trouble (503) is the situation, not a fault of the page. One that has begun
+    // anew does not know a dwell of before (404).
+    const { url } = message.location();
+    if (message.type() !== 'error' || /status of 503|ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY|ERR_SOCKET/.test(message.text())) return;
+    if (!(/status of 404/.test(message.text()) && /[/]api[/]v1[/]dwells[/][0-9]+$/.test(url))) page.complaints.push(`${message.text()} ${url}`);
   });
   await page.goto(`${at.url}/${query}`);
   return page;
