@@ -157,7 +157,12 @@ bool RunAudit::is_being_entered() const {
 Result<void> RunAudit::ledger_agrees() const {
   const LedgerRun* run = ledger_->find(header_.run);
   const std::string name = "run " + std::to_string(header_.run);
-  if (run == nullptr) return is_being_entered() ? fails(read_again()) : fails("the ledger does not know " + name);
+  if (run == nullptr) {
+    audit_.unknown = true;
+    if (!is_being_entered()) return fails("the ledger does not know " + name);
+    return fails({"the ledger has no entry of " + name + " yet; the service is about to write it: audit it again",
+                  Cause::not_entered});
+  }
   if (run->id != header_.id) return fails("the ledger knows another run as " + name);
   if (run->previous_head != header_.previous_head)
     return fails("entry 1: the run before " + name + " is another one in the ledger");
@@ -251,8 +256,9 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   RunAudit run(audit, options, anchors, ledger);
   const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
   if (!ended && ended.error().cause() == Cause::stopped) return fails(ended.error());
-  if (!ended && ended.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
-  if (chain && !chain->unchanged()) return fails(read_again(path + ": "));
+  if (chain ? !chain->unchanged() : chain.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
+  if (!ended && ended.error().cause() == Cause::not_entered)
+    return fails({path + ": " + std::string(ended.error()), Cause::not_entered});
   if (!ended && ended.error().cause() == Cause::newer)
     return fails({path + ": cannot be audited: " + ended.error(), Cause::newer});
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
@@ -317,11 +323,17 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
     if (!checked) return fails(std::move(checked.error()));
     ledger = std::make_shared<const CheckedLedger>(std::move(*checked));
   }
-  bool every_signature = options.every_signature;
+  bool every_signature = options.every_signature, ledger_is_new = false;
   for (int tries = 1;;) {
     Result<Audit> audit =
         look(path, options, every_signature, anchors->all, ledger && ledger->verifies() ? ledger.get() : nullptr);
-    if (!audit) {
+    const bool unknown = audit ? audit->unknown : audit.error().cause() == Cause::not_entered;
+    if (unknown && !options.ledger.empty() && !std::exchange(ledger_is_new, true)) {
+      // The service may have entered the run since the ledger was read.
+      Result<CheckedLedger> checked = check_ledger(options.ledger, options);
+      if (!checked) return fails(std::move(checked.error()));
+      ledger = std::make_shared<const CheckedLedger>(std::move(*checked));
+    } else if (!audit) {
       if (audit.error().cause() != Cause::read_again || ++tries > kReadTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {
       // The newest signature alone does not tell where the first thing is that does not hold.

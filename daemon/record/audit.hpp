@@ -34,6 +34,7 @@ struct Audit {
   std::optional<double> until_s;  // of an open file: it is valid so far, s since the `t_ns` of the `run` entry
   std::string until_utc;
   std::string where;     // of a tampered file: the place and what was found there
+  bool unknown = false;  // the ledger does not know the run
   std::int64_t run = 0;  // the ledger's number; 0: not known
   std::string id;
   std::uint64_t samples = 0;
@@ -72,7 +73,8 @@ inline constexpr const char* kAuditStopped = "the audit was given up";
 // A file that is no run file counts as tampered, with the reason. A ledger, a -wal and the reserve of a recording
 // directory are told by name and content: for these the audit fails and says what the file is. It fails likewise for a
 // file of a newer format. It fails too if the run file, the ledger or an anchor file does not exist or may not be read,
-// or if a writer altered the run file during each of kReadTries passes.
+// or if a writer altered the run file during each of kReadTries passes, or if the service has not entered the run into
+// the ledger yet.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,46 @@ class AwaitedRequests {
 
  private:
   std::deque<Request> requests_;  // newest last
+};
+
+// Labels for runs whose records the recorder has not read yet. Bound to one thread.
+class AwaitedLabels {
+ public:
+  // So long one waits for its run: the recorder reads the stream some tens of ms later, or as much later as the disk is
+  // slow. Doubled, an operator hears later that the label is lost.
+  static constexpr std::int64_t kPatience_ns = 5'000'000'000;
+
+  void add(Request request, std::int64_t now_ns) { labels_.push_back({std::move(request), now_ns}); }
+  // The record of this request has come.
+  void saw(std::uint16_t number) noexcept { newest_ = number; }
+  // The next label whose request before it has come; nullopt: there is none.
+  [[nodiscard]] std::optional<Request> next() {
+    if (labels_.empty() || !is_due(labels_.front().request)) return std::nullopt;
+    return take();
+  }
+  // The next one that has waited for too long.
+  [[nodiscard]] std::optional<Request> next_lost(std::int64_t now_ns) {
+    if (labels_.empty() || now_ns - labels_.front().since_ns < kPatience_ns) return std::nullopt;
+    return take();
+  }
+
+ private:
+  struct Awaited {
+    Request request;
+    std::int64_t since_ns;
+  };
+  // Numbers begin anew after 65535: half of them count as before.
+  [[nodiscard]] bool is_due(const Request& request) const noexcept {
+    return request.after == 0 || static_cast<std::uint16_t>(newest_ - request.after) < 0x8000;
+  }
+  std::optional<Request> take() {
+    Request request = std::move(labels_.front().request);
+    labels_.pop_front();
+    return request;
+  }
+
+  std::deque<Awaited> labels_;
+  std::uint16_t newest_ = 0;
 };
 
 // Events while no run goes on: a run that reaches back to them begins with them. Bound to one thread.

@@ -22,7 +22,7 @@ enum class ChainSort : std::uint32_t {
 // again. Empty: gives up at once.
 using WhileBusy = std::function<bool(int tries)>;
 
-// Appends entries. Bound to one thread. Every failure is returned with its reason, "disk full" for instance. It
+// Appends entries. One thread at a time. Every failure is returned with its reason, "disk full" for instance. It
 // discards uncommitted entries and leaves committed ones as they were. While a writer exists, SQLite in no other
 // program can open the file; ChainReader can.
 class ChainWriter {

@@ -216,9 +216,9 @@ struct ChainWriter::Impl {
     return broken.empty();
   }
 
-  // Makes it one file without -wal. SQLite would take ten waits for the disk, and the next run waits meanwhile; three
-  // are enough, in this order: the database holds all; the log is gone; the database says that it has none. That it
-  // says so changes the first 100 bytes of the file, and a sector is written whole or not at all.
+  // Makes it one file without -wal. SQLite would take ten waits for the disk, and the ledger's next entries wait
+  // meanwhile; three are enough, in this order: the database holds all; the log is gone; the database says that it has
+  // none. That it says so changes the first 100 bytes of the file, and a sector is written whole or not at all.
   Result<void> leave_log() {
     if (!execute(database.get(), kNoWaits) || !move_log(SQLITE_CHECKPOINT_FULL))
       return fails(sqlite_error(database.get(), path));

@@ -38,8 +38,6 @@ class DiskJobs {
       work();
     }
   }
-  // Ready when all jobs so far are done; not valid: there were none. Any thread may wait for it.
-  [[nodiscard]] std::shared_future<void> done() const { return last_; }
   // Whether all jobs so far are done.
   [[nodiscard]] bool idle() const {
     return !last_.valid() || last_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -48,7 +46,7 @@ class DiskJobs {
   void settle() const {
     if (last_.valid()) last_.wait();
   }
-  // Of a part of a job. Any thread.
+  // Adds the reason why a part of a job failed. Any thread.
   void failed(std::string why) {
     const std::lock_guard lock(mutex_);
     failures_.push_back(std::move(why));

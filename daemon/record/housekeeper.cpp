@@ -24,6 +24,8 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   const std::vector<EndedRunFile> ended = room ? folder_.take_ended() : std::vector<EndedRunFile>();
   const bool changed = room && (!ended.empty() || listed_ != file);
   if (changed) list(ended, recorded);
+  if (!changed && recorded != nullptr && std::exchange(listed_label_, recorded->label) != recorded->label)
+    list_->put(*recorded);
   anchors_.turn(now, ended, changed);
   deleter_.watch_clock(now);
   if (listing_->directory.load() == Reading::done) {
@@ -47,15 +49,14 @@ void Housekeeper::look_at_all(const std::string& recorded) {
 
 void Housekeeper::list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded) {
   if (!ended.empty())
-    jobs_.post(
-        [directory = directory_, ended, list = list_, listing = listing_, closed = folder_.closed()](const auto&) {
-          if (closed.valid()) closed.wait();
-          for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
-          listing->renewed.store(true);
-        });
+    jobs_.post([directory = directory_, ended, list = list_, listing = listing_](const auto&) {
+      for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
+      listing->renewed.store(true);
+    });
   listed_.clear();
   if (recorded == nullptr) return;
   listed_ = recorded->file;
+  listed_label_ = recorded->label;
   list_->put(*recorded);
 }
 

@@ -68,8 +68,8 @@ class Housekeeper {
   RunDeleter deleter_;
   RunAudits audits_;
   const std::shared_ptr<Listing> listing_ = std::make_shared<Listing>();
-  bool all_listed_ = false;  // every run of the directory has been read
-  std::string listed_;       // file of the current run
+  bool all_listed_ = false;            // every run of the directory has been read
+  std::string listed_, listed_label_;  // file of the current run, and its label
 };
 
 }  // namespace dwell::record

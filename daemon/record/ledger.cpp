@@ -48,6 +48,7 @@ struct Ledger::Impl {
     if (Result<void> taken = next.take(entry); !taken) return fails(path + ": " + taken.error());
     Result<void> done = file->append(kind, t_ns, body).and_then([&] { return file->commit(); });
     if (done) learn(std::move(next));
+    key_changed = done && entry.kind == "key";
     return done;
   }
   void learn(LedgerBook next) {
@@ -160,9 +161,7 @@ Result<void> Ledger::run_signed(std::int64_t run, const PersonalSignature& signa
 
 Result<void> Ledger::key_changes(const PublicKey& next) {
   const std::int64_t now_ns = utc_now_ns();
-  Result<void> done = impl_->add("key", ledger_key(next, iso_utc(now_ns)), now_ns);
-  impl_->key_changed = impl_->key_changed || done.has_value();
-  return done;
+  return impl_->add("key", ledger_key(next, iso_utc(now_ns)), now_ns);
 }
 
 }  // namespace dwell::record

@@ -88,7 +88,7 @@ class Recorder final : public StreamSink, public RequestSink {
   // is taken any more. Not thread-safe; may be called again.
   void finish();
 
-  // Adds a person's signature to the ledger. Thread-safe; waits for the recorder's thread, which waits for the disk.
+  // Adds a person's signature to the ledger. Thread-safe; waits until the ledger has it, after all that waits there.
   // Fails once the recorder has been told to finish.
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
 

@@ -15,6 +15,7 @@ namespace dwell::record {
 
 struct Request {
   std::uint16_t number = 0;  // 1 … 65535, then 1 again; 0: names the run that goes on
+  std::uint16_t after = 0;   // of label: the number of the newest request before it; 0: none
   std::string label;         // of start and label: the run's; empty: none
   StoredEvent event;         // its `what` is "action"; the sink fills in position and instant
 };

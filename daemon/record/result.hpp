@@ -11,9 +11,10 @@ namespace dwell::record {
 // What a caller can do about a failure.
 enum class Cause : std::uint8_t {
   other,
-  read_again,  // a writer changed the file meanwhile: another attempt succeeds
-  stopped,     // the caller asked to give up
-  newer,       // of a newer format than this program knows
+  read_again,   // a writer changed the file meanwhile: another attempt succeeds
+  not_entered,  // the ledger is about to get the run
+  stopped,      // the caller asked to give up
+  newer,        // of a newer format than this program knows
 };
 
 // Why something failed, in words for people; the cause is for code.

@@ -31,17 +31,18 @@ void RunDeleter::watch_clock(const ClockPair& now) {
 
 void RunDeleter::turn(const ClockPair& now, const ListedRun* recorded, bool due) {
   if (!doubt_.empty()) std::erase_if(deletions_, [](const Deletion& deletion) { return deletion.by_age; });
+  const auto answered = [this] {
+    return telling_->told.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  if (telling_ && !jobs_.full() && answered()) {
+    Telling told = *std::exchange(telling_, std::nullopt);
+    erase(told.deletion, told.told.get());
+  }
   if (due || now.raw_ns >= next_look_ns_) {
     next_look_ns_ = now.raw_ns + kPeriod_ns;
     choose(now, recorded);
   }
-  if (jobs_.full()) return;
-  if (telling_) {
-    if (telling_->told.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    Telling answered = *std::exchange(telling_, std::nullopt);
-    return erase(answered.deletion, answered.told.get());
-  }
-  if (deletions_.empty()) return;
+  if (telling_ || deletions_.empty() || jobs_.full()) return;
   Deletion deletion = std::move(deletions_.front());
   deletions_.pop_front();
   if (recorded == nullptr || deletion.run.file != recorded->file) begin(std::move(deletion));
@@ -66,9 +67,9 @@ void RunDeleter::choose(const ClockPair& now, const ListedRun* recorded) {
 
 ListedRuns RunDeleter::deletable(const ListedRun* recorded) const {
   ListedRuns runs = *list_->all();
+  if (telling_) std::erase_if(runs, [this](const ListedRun& run) { return run.file == telling_->deletion.run.file; });
   for (ListedRun& run : runs) {
-    const bool under_way = telling_ && telling_->deletion.run.file == run.file;
-    run.kept = run.kept || under_way || !folder_.knows(run.run, run.file);
+    run.kept = run.kept || !folder_.knows(run.run, run.file);
     if (recorded != nullptr && run.file == recorded->file) run.bytes = recorded->bytes;
   }
   return runs;

@@ -46,7 +46,8 @@ class RunDeleter {
 
  private:
   void choose(const ClockPair& now, const ListedRun* recorded);
-  // The listed runs as retention may see them: it deletes none that the ledger does not know.
+  // The listed runs as retention may see them, without the one whose deletion is under way. It deletes none that the
+  // ledger does not know.
   [[nodiscard]] ListedRuns deletable(const ListedRun* recorded) const;
   // choose_deletions(), also where runs have been protected since they were listed.
   [[nodiscard]] std::vector<Deletion> chosen_of(ListedRuns& runs, const RetentionPolicy& policy,

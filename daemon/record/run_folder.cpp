@@ -27,6 +27,9 @@ namespace {
 
 constexpr const char* kClosed = "closed";
 constexpr const char* kCutOff = "cut off";
+// Most entries that wait for the ledger as a run begins: those of 12 runs. With fewer, a disk that is slow for some
+// seconds would keep an operator from starting; more only take memory.
+constexpr std::size_t kMostKept = 60;
 
 Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entries, bool last = false) {
   for (const NewEntry& entry : entries) {
@@ -49,7 +52,7 @@ struct RunFolder::Impl {
         reserve(options.directory + "/" + kReserveName, options.reserve_bytes),
         prepared(options.directory) {}
   ~Impl() {
-    if (ledger_jobs.any()) ledger_jobs.again();  // the last try
+    if (ledger_jobs.size() > 0) ledger_jobs.again();  // the last try
     disk_jobs.settle();
   }
   Impl(const Impl&) = delete;
@@ -97,7 +100,7 @@ struct RunFolder::Impl {
     return Anchor{{}, origin, file->committed(), file->committed_head()};
   }
 
-  // Gives its own name to a run that a crash left at its first one. Returns that name.
+  // Gives its own name to a run that a crash left at its first one; it has both then. Returns its own.
   Result<std::string> give_name(std::int64_t number, const RunHeader& header) {
     std::string full = signs->ledger.file_of(number);
     if (full.empty()) full = file_of_run(options.directory, number);
@@ -110,12 +113,23 @@ struct RunFolder::Impl {
     for (const char* part : {"-wal", ""})
       if (link((path + part).c_str(), (to + part).c_str()) != 0 && errno != EEXIST && errno != ENOENT)
         return tl::unexpected(to + part + ": " + std::strerror(errno));
-    if (auto kept = ChainWriter::drop_name(path, to); !kept) return tl::unexpected(kept.error());
     return full;
   }
 
+  Result<void> drop_first_name(std::int64_t number, const std::string& its_name) const {
+    return ChainWriter::drop_name(prepared.path_of(number), options.directory + "/" + its_name);
+  }
+
+  // Enters a run that a crash left without an entry, with its end.
+  Result<void> adopt(const RunHeader& header, const std::string& its_name) {
+    const auto told = signs->ledger.run_begins(header, its_name).and_then([&] { return tell_of_cut_off(); });
+    if (!told) return tl::unexpected(std::string(told.error()) + "; to record here, move " + its_name + " elsewhere");
+    return drop_first_name(header.run, its_name);
+  }
+
   // Completes what a crash interrupted. First every file gets its name. Then the ledger gets the end of the run that it
-  // takes to be going on. Last it gets the runs that have followed and have no entry yet, with their ends.
+  // takes to be going on. Last it gets the runs that have followed and have no entry yet; only then they lose their
+  // first names, so whatever comes in between, the next start finds them.
   Result<void> tell_of_crash() {
     std::vector<std::pair<RunHeader, std::string>> unknown;
     std::vector<std::int64_t> left_over = prepared.left_over();
@@ -123,28 +137,31 @@ struct RunFolder::Impl {
     for (const std::int64_t number : left_over) {
       const auto header = prepared.header_of(number);
       if (!header) return tl::unexpected(header.error());
-      if (*header) {
-        const auto given = give_name(number, **header);
-        if (!given) return tl::unexpected(given.error());
-        if (signs->ledger.file_of(number).empty()) unknown.emplace_back(**header, *given);
+      if (!*header) {
+        prepared.remove(number);
+        continue;
       }
-      prepared.remove(number);
+      const auto given = give_name(number, **header);
+      if (!given) return tl::unexpected(given.error());
+      if (signs->ledger.file_of(number).empty())
+        unknown.emplace_back(**header, *given);
+      else if (auto dropped = drop_first_name(number, *given); !dropped)
+        return dropped;
     }
     // Made while the ledger is written, since a run may begin at once.
     if (unknown.empty()) prepared.make(signs->ledger.next_run());
     if (auto told = tell_of_cut_off(); !told) return told;
-    for (const auto& [header, its_name] : unknown) {
-      auto told = signs->ledger.run_begins(header, its_name).and_then([&] { return tell_of_cut_off(); });
-      if (!told) return told;
-    }
+    for (const auto& [header, its_name] : unknown)
+      if (auto adopted = adopt(header, its_name); !adopted) return adopted;
     return {};
   }
 
-  Result<void> has_room() {
+  // hold: takes the reserve back.
+  Result<void> has_room(bool hold = true) {
     const auto room = free_bytes(options.directory);
     if (!room) return tl::unexpected(room.error());
     const std::int64_t needed = options.room_bytes + (reserve.is_held() ? 0 : options.reserve_bytes);
-    if (*room >= needed) return reserve.hold();
+    if (*room >= needed) return hold ? reserve.hold() : Result<void>();
     const auto megabytes = [](std::int64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; };
     return tl::unexpected("disk full: " + std::to_string(*room / 1'000'000) + " MB are free in " + options.directory +
                           ", a run needs " + megabytes(needed) + " to begin: free " + megabytes(needed - *room) +
@@ -227,19 +244,19 @@ Result<void> RunFolder::ready() {
   if (auto opened = open(); !opened) return opened;
   if (self.file) return {};
   self.prepared.make(self.next_run);
-  if (!self.disk_jobs.idle()) return {};
-  if (self.ledger_jobs.any()) {
-    auto takes = self.ledger_takes();
+  if (auto takes = self.ledger_takes(); !takes) {
     self.ledger_jobs.again();
     return takes;
   }
-  return self.has_room();
+  return self.has_room(!busy());
 }
 
 Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
   Impl& self = *impl_;
   auto can = open().and_then([&] { return self.ledger_takes(); }).and_then([&] { return self.has_room(); });
   if (!can) return can;
+  if (self.ledger_jobs.size() > kMostKept)
+    return tl::unexpected(std::string("the ledger lacks the entries of the last runs, for its disk does not answer"));
   auto id = random_id();
   if (!id) return tl::unexpected(id.error());
   header.id = std::move(*id);
@@ -275,8 +292,8 @@ Result<void> RunFolder::write(std::span<const NewEntry> batch) {
 }
 
 // The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry and log:
-// ready() takes it back only after that. A copy of the ledger's file alone would lack the entries in its log; if the
-// log cannot be merged, they stay there.
+// ready() takes it back only after that; begin() at once, since it asks for more room. A copy of the ledger's file
+// alone would lack the entries in its log; if the log cannot be merged, they stay there.
 Result<void> RunFolder::end(std::span<const NewEntry> last) {
   Impl& self = *impl_;
   self.reserve.release();
@@ -306,17 +323,20 @@ Result<void> RunFolder::end(std::span<const NewEntry> last) {
   return written;
 }
 
-std::shared_future<void> RunFolder::closed() const { return impl_->disk_jobs.done(); }
-bool RunFolder::busy() const { return !impl_->disk_jobs.idle(); }
+bool RunFolder::busy() const { return !impl_->disk_jobs.idle() || impl_->ledger_jobs.size() > 0; }
 void RunFolder::settle() {
-  if (impl_->ledger_jobs.any()) impl_->ledger_jobs.again();
-  impl_->prepared.wait();
-  impl_->disk_jobs.settle();
+  Impl& self = *impl_;
+  if (self.ledger_jobs.size() > 0) self.ledger_jobs.again();
+  self.prepared.wait();
+  self.disk_jobs.settle();
+  if (const auto takes = self.ledger_takes(); !takes)
+    self.disk_jobs.failed("the ledger has not taken its last entries: " + std::string(takes.error()) +
+                          "; it gets them later, or at the next start");
 }
 std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
 std::vector<EndedRunFile> RunFolder::take_ended() {
-  if (!impl_->disk_jobs.idle()) return {};
+  if (busy()) return {};
   return std::exchange(impl_->ended_files, {});
 }
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
@@ -324,7 +344,10 @@ const std::string& RunFolder::file() const noexcept { return impl_->name; }
 
 std::vector<Anchor> RunFolder::heads() const {
   std::vector<Anchor> heads;
-  if (const auto head = impl_->file ? impl_->head() : impl_->last_head) heads.push_back(*head);
+  // Of a run that the ledger does not know yet an anchor would say that it was taken out of the ledger.
+  const bool known = impl_->file ? knows(impl_->run, impl_->name) : !busy();
+  const auto head = impl_->file ? impl_->head() : impl_->last_head;
+  if (known && head) heads.push_back(*head);
   if (impl_->signs) heads.push_back(impl_->signs->ledger.head());
   return heads;
 }

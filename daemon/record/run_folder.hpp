@@ -55,12 +55,10 @@ class RunFolder final : public RunStore {
   // The ledger's entry and moving the -wal into the file are left to the background: the caller does not wait for them.
   [[nodiscard]] Result<void> end(std::span<const NewEntry> last) override;
 
-  // Ready when the files of all ended runs are closed. Until then others should leave them alone. Not valid: no run has
-  // ended.
-  [[nodiscard]] std::shared_future<void> closed() const;
-  // Whether there is background work: files that are being closed, and entries for the ledger.
+  // Whether there is background work: files that are being closed, and entries for the ledger, also those that it has
+  // refused and is to get later.
   [[nodiscard]] bool busy() const;
-  // Waits for all of it, and for the next file that is being made.
+  // Waits for what can be done of it, and for the next two files that are being made.
   void settle();
   // The failures of background work since the last call, one sentence each.
   [[nodiscard]] std::vector<std::string> take_failures();
@@ -68,7 +66,8 @@ class RunFolder final : public RunStore {
   // Most ended runs that are kept until they are taken; older ones are forgotten, and listed when the service starts
   // again. Their anchors fit into the pipe of deliver_anchor().
   static constexpr std::size_t kMostEnded = 256;
-  // The runs that have ended since the last call, in their order; none while the folder is busy. No disk.
+  // The runs that have ended since the last call, in their order; none while the folder is busy, since others should
+  // leave their files alone until then. No disk.
   [[nodiscard]] std::vector<EndedRunFile> take_ended();
 
   // The run that open() found cut off, once.
@@ -76,14 +75,14 @@ class RunFolder final : public RunStore {
   // Of the run that is recorded; empty: none is.
   [[nodiscard]] const std::string& file() const noexcept;
   // The heads to anchor: that of the ledger, and that of the newest run since open(), as of its last commit, also after
-  // its end. The caller fills in the instant.
+  // its end, but for a run that the ledger does not know yet. The caller fills in the instant.
   [[nodiscard]] std::vector<Anchor> heads() const;
   // Whether the ledger has this run with this file. The folder must be open.
   [[nodiscard]] bool knows(std::int64_t run, const std::string& file) const;
-  // Both write into the ledger in the background, after what waits there already, and are ready once it has the entry
-  // or has refused it: a person's signature under a closed run;
+  // The next two write into the ledger in the background, after what waits there. The future is ready once the ledger
+  // has taken or refused the entry. A person's signature under a closed run.
   [[nodiscard]] std::future<Result<void>> run_signed(std::int64_t run, const PersonalSignature& signature);
-  // the deletion of a run, unless the ledger has it already. Only then may the run's file be deleted.
+  // The deletion of a run, unless the ledger has it already. Only then may the run's file be deleted.
   [[nodiscard]] std::future<Result<void>> run_deleted(std::int64_t run, const std::string& why);
 
  private:

@@ -50,6 +50,11 @@ void RunLog::set_clock(const ClockPair& now) {
   const bool first = now_.utc_ns == 0;
   now_ = now;
   if (!last_.empty() && now_.raw_ns - last_ns_ >= kSilence_ns) write(std::exchange(last_, {}));
+  while (const auto lost = labels_.next_lost(now_.raw_ns))
+    options_.tell({Notice::Grade::warning,
+                   "the label \"" + lost->label + "\" came while no run was recorded: no run has it",
+                   0,
+                   {}});
   if (first || std::abs(step_ns) < kClockStep_ns) return;
   char text[64];
   std::snprintf(text, sizeof text, "the wall clock was set by %+.3f s", static_cast<double>(step_ns) * 1e-9);
@@ -63,8 +68,16 @@ void RunLog::record(const Record& record) {
   if (cutter_.is_due_before(record)) cut();
   cutter_.add(record);
   if (run_ && run_->ending.empty()) told_by_stream_.take(record, cutter_.number() + 1 - run_->born);
-  if (record.kind == Kind::action) note_request(record);
-  if (record.kind != Kind::run) return;
+  if (record.kind != Kind::run && record.kind != Kind::action) return;
+  if (record.kind == Kind::action)
+    note_request(record);
+  else
+    edge(record);
+  if (record.channel != 0) labels_.saw(record.channel);
+  take_labels();
+}
+
+void RunLog::edge(const Record& record) {
   switch (static_cast<RunEdge>(record.flags)) {
     case RunEdge::armed:
       if (run_ && run_->ending.empty()) return;
@@ -79,18 +92,17 @@ void RunLog::record(const Record& record) {
 }
 
 void RunLog::request(Request request) {
-  if (request.number == 0)
-    relabel(std::move(request));
-  else
-    requests_.add(std::move(request));
+  if (request.number != 0) return requests_.add(std::move(request));
+  labels_.add(std::move(request), now_.raw_ns);
+  take_labels();
+}
+
+void RunLog::take_labels() {
+  if (!run_ || !run_->ending.empty()) return;
+  while (auto label = labels_.next()) relabel(std::move(*label));
 }
 
 void RunLog::relabel(Request request) {
-  if (!run_ || !run_->ending.empty())
-    return options_.tell({Notice::Grade::warning,
-                          "the label \"" + request.label + "\" came when the run had ended: no run has it",
-                          0,
-                          {}});
   StoredEvent event = std::move(request.event);
   event.what = "label";
   event.before = std::exchange(run_->header.label, request.label);

@@ -109,6 +109,9 @@ class RunLog {
   void end_now(const std::string& why);
   void stop(const std::string& why);
   void fail(std::vector<NewEntry> batch, const std::string& reason);
+  void edge(const Record& record);
+  // Gives the run that goes on the labels that wait for it.
+  void take_labels();
   void relabel(Request request);
   void close(std::vector<NewEntry> batch, std::string why);
   [[nodiscard]] std::vector<NewEntry> take_batch();
@@ -134,6 +137,7 @@ class RunLog {
   std::int64_t last_ns_ = 0;     // when that run ended, ns of the raw clock
   std::optional<RunProgress> run_;
   AwaitedRequests requests_;
+  AwaitedLabels labels_;
   Interruption interruption_;
 };
 

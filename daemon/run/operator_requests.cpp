@@ -42,7 +42,7 @@ std::string user_name(uid_t uid) {
 }
 
 std::string OperatorRequests::obstacle(Verb verb) const {
-  if (!run_.has_room()) return "too many at once; try again";
+  if (verb != Verb::label && !run_.has_room()) return "too many at once; try again";
   if (verb == Verb::rearm) return {};
   if (!run_.bracketed())
     return "not recording: the rig file has no [recording], and one run lasts as long as the service";
@@ -81,6 +81,7 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
   record::Request told;
   if (request.verb != Verb::label)
     told.number = number_ = number_ == UINT16_MAX ? std::uint16_t{1} : static_cast<std::uint16_t>(number_ + 1);
+  told.after = request.verb == Verb::label ? number_ : std::uint16_t{0};
   told.label = request.label;
   told.event.what = "action";
   told.event.text = words(request) + " by " + record::who(by);

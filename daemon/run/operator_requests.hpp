@@ -40,7 +40,7 @@ class OperatorRequests {
   [[nodiscard]] std::string obstacle(OperatorRequest::Verb verb) const;
   [[nodiscard]] std::string obstacle_to_label() const;
   [[nodiscard]] bool run_goes_on() const;
-  // Takes the words for the state of the run over.
+  // Brings operators_run_ and started_by_ up to date.
   void note(const OperatorRequest& request, const record::Person& by);
   // The state of the run, in words.
   [[nodiscard]] std::string standing() const;

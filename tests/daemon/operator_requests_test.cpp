@@ -86,6 +86,7 @@ TEST_F(OperatorRequestsTest, ARunThatGoesOnIsLabelledAndTheLabelHasNoPlaceInTheS
   ASSERT_EQ(sink.requests.size(), 2u);
   const record::Request& label = sink.requests[1];
   EXPECT_EQ(label.number, 0);
+  EXPECT_EQ(label.after, 1) << "the start before it";
   EXPECT_EQ(label.label, "oil film");
   EXPECT_EQ(label.event.text, "run labelled \"oil film\" by anna (uid 1000)");
   EXPECT_EQ(label.event.comment, "as seen");

@@ -151,6 +151,12 @@ test('an operator logs in, starts a run, labels and stops it and logs out, by ke
   await type('#operate-token', TOKEN);
   await said('Logged in.');
   assert.equal(await page.evaluate(() => document.cookie), '', 'no script reads the cookie');
+  // The run of the drive: both buttons are there, and the Enter key would start another one.
+  await page.locator('#operate-begin').waitFor();
+  await page.locator('#operate-label').fill('as found');
+  await press('#operate-relabel');
+  await said('The run is "as found" now.');
+  await page.locator('#facts', { hasText: 'as found' }).waitFor();
   await type('#operate-label', 'sweep 3');
   await said('Run "sweep 3" started.');
   await page.locator('#facts', { hasText: 'sweep 3' }).waitFor();

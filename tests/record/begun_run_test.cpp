@@ -7,6 +7,7 @@
 
 #include "daemon/record/audit.hpp"
 #include "daemon/record/file_name.hpp"
+#include "daemon/record/ledger_check.hpp"
 #include "daemon/record/run_folder.hpp"
 #include "tests/record/child.hpp"
 #include "tests/record/recorded_rig.hpp"
@@ -165,7 +166,7 @@ TEST(ALossOfPowerAsARunBegins, LeavesAllRunsWhereTheLedgerHasHeardOfNone) {
     EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), run), scratch.path()), AuditState::intact) << "run " << run;
 }
 
-// The ledger took it for one that never had a file, and said so.
+// An earlier version entered it as one that never had a file.
 TEST(ALossOfPowerAsARunBegins, DoesNotExcuseTheRunWhoseFileSomebodyRemoved) {
   const Scratch scratch, before;
   ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
@@ -189,7 +190,8 @@ TEST(ARunThatTheLedgerDoesNotKnowYet, IsNeitherTamperedNorIntact) {
   options.ledger = scratch.path("ledger.dwell-ledger");
   const auto audit = audit_run(file, options);
   ASSERT_FALSE(audit);
-  EXPECT_EQ(audit.error(), file + ": written to while it was read: read it again");
+  EXPECT_EQ(audit.error(),
+            file + ": the ledger has no entry of run 1 yet; the service is about to write it: audit it again");
   fs::remove(first);
   EXPECT_EQ(audit_run(file, options)->where, "the ledger does not know run 1") << "it was slipped in";
 }
@@ -220,6 +222,87 @@ TEST(ARunThatWasCutOff, HasTheLabelThatItWasGivenLast) {
   const auto cut_off = folder.take_cut_off();
   ASSERT_TRUE(cut_off);
   EXPECT_EQ(cut_off->label, "dry");
+}
+
+// The ledger was read before the service entered the run, and the file after that.
+TEST(ARunThatTheLedgerDoesNotKnowYet, IsLookedUpAgainInTheLedgerAsItIsNow) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
+  AuditOptions options;
+  auto old = check_ledger(before.path("ledger.dwell-ledger"), options);
+  ASSERT_TRUE(old) << old.error();
+  options.ledger = scratch.path("ledger.dwell-ledger");
+  options.checked = std::make_shared<const CheckedLedger>(std::move(*old));
+  const auto audit = audit_run(run_file_of(scratch.path(), 1), options);
+  ASSERT_TRUE(audit) << audit.error();
+  EXPECT_EQ(audit->state, AuditState::open) << audit->where;
+}
+
+// Two runs ended while the ledger took nothing: their files are not closed, and have both names.
+TEST(ALossOfPowerAsARunBegins, LeavesRunsThatHaveEndedAndThatTheLedgerHasRefused) {
+  const Scratch scratch;
+  const std::string ledger = scratch.path("ledger.dwell-ledger"), away = scratch.path("away");
+  ASSERT_EQ(in_child([&]() -> std::string {
+              RunFolder folder(folder_options(scratch.path()));
+              if (const auto ready = folder.ready(); !ready) return ready.error();
+              folder.settle();
+              fs::rename(ledger, away);
+              RunHeader header = rig_header();
+              header.start_utc = "2026-11-23T00:00:00Z";
+              if (const auto begun = folder.begin(header, 1, one_event()); !begun) return begun.error();
+              if (const auto ended = folder.end(the_end()); !ended) return ended.error();
+              folder.settle();
+              vanish();
+              return std::string();
+            }),
+            "");
+  ASSERT_TRUE(fs::exists(scratch.path("next-1.new-wal"))) << "not what this test is about";
+  // The first start can write nothing into the ledger either, and must leave the run to the next one.
+  fs::rename(away, ledger);
+  const std::string own = Scratch::read(ledger);
+  fs::remove(ledger);
+  fs::create_directory(ledger);
+  {
+    RunFolder folder(folder_options(scratch.path()));
+    EXPECT_FALSE(folder.open());
+  }
+  ASSERT_TRUE(fs::exists(scratch.path("next-1.new"))) << "nothing would find the run";
+  fs::remove(ledger);
+  scratch.write("ledger.dwell-ledger", own);
+  {
+    RunFolder folder(folder_options(scratch.path()));
+    const auto opened = folder.open();
+    ASSERT_TRUE(opened) << opened.error();
+    EXPECT_FALSE(folder.take_cut_off()) << "it had ended";
+  }
+  EXPECT_EQ(ledger_says(scratch.path()), "");
+  EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), 1), scratch.path()), AuditState::intact);
+}
+
+// SQLite closes their files then, under the names by which it opened them.
+TEST(ALedgerThatRefusesTheBeginningOfARun, LeavesARunThatTheNextStartFindsIfTheServiceEndsMeanwhile) {
+  const Scratch scratch;
+  const std::string ledger = scratch.path("ledger.dwell-ledger"), away = scratch.path("away");
+  {
+    RunFolder folder(folder_options(scratch.path()));
+    ASSERT_TRUE(folder.ready());
+    folder.settle();
+    fs::rename(ledger, away);
+    RunHeader header = rig_header();
+    header.start_utc = "2026-11-23T00:00:00Z";
+    ASSERT_TRUE(folder.begin(header, 1, one_event()));
+    ASSERT_TRUE(folder.end(the_end()));
+    folder.settle();
+    const auto told = folder.take_failures();
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_NE(told[0].find("the ledger has not taken its last entries: "), std::string::npos) << told[0];
+  }
+  fs::rename(away, ledger);
+  RunFolder folder(folder_options(scratch.path()));
+  const auto opened = folder.open();
+  ASSERT_TRUE(opened) << opened.error();
+  EXPECT_EQ(ledger_says(scratch.path()), "");
+  EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), 1), scratch.path()), AuditState::intact);
 }
 
 TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {

@@ -114,13 +114,13 @@ TEST(KeptJobs, AreDoneInTheirOrderAndOneThatFailsKeepsThoseAfterItUntilItSucceed
   });
   thread.settle();
   EXPECT_EQ(done, "a");
-  EXPECT_TRUE(jobs.any());
+  EXPECT_EQ(jobs.size(), 2U);
   EXPECT_EQ(jobs.refused(), "disk full");
   full = false;
   jobs.again();
   thread.settle();
   EXPECT_EQ(done, "abc");
-  EXPECT_FALSE(jobs.any());
+  EXPECT_EQ(jobs.size(), 0U);
   EXPECT_EQ(jobs.refused(), "");
   EXPECT_TRUE(thread.take_failures().empty()) << "they are told by refused()";
 }

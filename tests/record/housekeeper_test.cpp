@@ -199,6 +199,33 @@ TEST_F(HousekeeperTest, InPlaceOfARunThatIsProtectedMeanwhileTheNextOneIsDeleted
   EXPECT_EQ(list->all()->front().run, 1);
 }
 
+// While the ledger was told of the oldest run, the next look chose another one, although the first sufficed.
+TEST_F(HousekeeperTest, NoMoreRunsAreDeletedThanMustBeWhereALookComesWhileTheLedgerIsTold) {
+  ASSERT_TRUE(folder.open());
+  for (int i = 0; i < 3; ++i) record_run(false);
+  const auto list = std::make_shared<RunList>();
+  std::uint64_t bytes = 0;
+  look_at_runs(
+      scratch.path(), "",
+      [&](const ListedRun& run) {
+        bytes += run.bytes;
+        list->put(run);
+      },
+      [] { return false; });
+  RetentionPolicy policy;
+  policy.gigabytes = static_cast<double>(bytes) * 0.8e-9;
+  JobThread jobs("runs");
+  RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, list, jobs, notices.tell());
+  for (int i = 0; i < 2; ++i) deleter.turn({i, kMidnight_utc_ns}, nullptr, true);
+  for (int i = 2; i < 6; ++i) {
+    folder.settle();
+    deleter.turn({i, kMidnight_utc_ns}, nullptr, true);
+    ASSERT_TRUE(jobs.settle(std::chrono::seconds(30)));
+  }
+  ASSERT_EQ(list->all()->size(), 2U);
+  EXPECT_EQ(list->all()->front().run, 2);
+}
+
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.
 struct RetentionByAgeTest : HousekeeperTest {
   RetentionByAgeTest() {

@@ -190,15 +190,39 @@ TEST_F(RunLogTest, ARunThatGoesOnIsLabelledWithAnEventAndItsEndHasTheLastLabel) 
   EXPECT_TRUE(told(" \"dry\" ended: "));
 }
 
-TEST_F(RunLogTest, ALabelThatComesWhenTheRunHasEndedIsInNoRunAndTheLogSaysSo) {
+// The recorder reads the stream later than orders: the label met the run before.
+TEST_F(RunLogTest, ALabelWaitsForTheRecordOfTheRequestBeforeItAndForItsRun) {
+  stream.starts();
+  stream.play(2.0);
+  Request start{.number = 7, .label = "b", .event = {}};
+  log.request(start);
+  Request label = label_request("c");
+  label.after = 7;
+  log.request(label);
+  EXPECT_EQ(log.progress()->header.label, store.runs[0].header.label) << "the run before";
+  stream.ends();
+  stream.armed();
+  stream.begins(7);
+  EXPECT_EQ(log.progress()->header.label, "c");
+  stream.play(2.0);
+  stream.ends();
+  stream.play(1.5);
+  EXPECT_EQ(end_of(store.runs[0]).label, "");
+  EXPECT_EQ(store.runs[1].header.label, "b");
+  EXPECT_EQ(end_of(store.runs[1]).label, "c");
+}
+
+TEST_F(RunLogTest, ALabelThatFindsNoRunIsInNoneAndTheLogSaysSo) {
   stream.starts();
   stream.play(2.0);
   stream.ends();
   log.request(label_request("oil film"));
-  stream.play(1.5);
+  stream.play(4.0);
+  EXPECT_FALSE(told("no run has it")) << "its run may begin";
+  stream.play(4.0);
   EXPECT_TRUE(events_of(store.runs[0]).empty());
   EXPECT_EQ(end_of(store.runs[0]).label, "");
-  EXPECT_TRUE(told("the label \"oil film\" came when the run had ended: no run has it"));
+  EXPECT_TRUE(told("the label \"oil film\" came while no run was recorded: no run has it"));
 }
 
 TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
