@@ -76,26 +76,6 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
   });
 }
 
-// Three of the four elements have reasons, and the one that may be used was pushed off the screen.
-test('a stuck transducer pushes no element of a usual rig off a wall display', async () => {
-  const page = await open('wall', '?kiosk');
-  await page.waitForSelector('#coefficients[data-source=measured] .element');
-  bench.rig.say('stuck y2 on');
-  try {
-    await page.waitForFunction(() => document.querySelectorAll('.element.withheld .number.struck').length === 6);
-    await page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
-    const usable = await page.evaluate(() => [...document.querySelectorAll('.element:not(.withheld) .number')].map((n) => n.getBoundingClientRect().bottom <= window.innerHeight));
-    assert.deepEqual(usable, [true, true]);
-    const foot = page.locator('#beyond:not([hidden])');
-    if (await foot.count()) assert.doesNotMatch(await foot.innerText(), /element/);
-    await check(page, 'stuck-wall');
-  } finally {
-    bench.rig.say('stuck y2 off');
-  }
-  await page.waitForSelector('#state[data-kind=measuring]');
-  await page.close();
-});
-
 test('a dwell is opened and left by keyboard, events are filtered', async () => {
   const page = await open('desk');
   await page.waitForSelector('#state[data-kind=measuring]');

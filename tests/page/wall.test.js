@@ -87,6 +87,23 @@ test('the elements of a wall display are set closer for as long as warnings take
   await shown.close();
 });
 
+// Three of the four elements have reasons, and the one that may be used was pushed off the screen.
+test('a stuck transducer pushes no element of a usual rig off a wall display', async () => {
+  const stuck = 'y2 is stuck: its reading has not changed for 2.4 s, 480 readings, while the others move';
+  const dwell = measured(4, warningOf([{ kind: 'stuck', text: stuck, channels: ['y2'] }]));
+  dwell.elements = dwell.elements.map((element) => (element.k === 4 ? element : withheld(element.k, `${stuck}; what depends on it is withheld`)));
+  const shown = await open(dwell);
+  const { page } = shown;
+  await page.waitForFunction(() => document.querySelectorAll('.element.withheld').length === 3);
+  await page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
+  const usable = await page.evaluate(() => [...document.querySelectorAll('.element:not(.withheld) .number')].map((n) => n.getBoundingClientRect().bottom <= window.innerHeight));
+  assert.deepEqual(usable, [true, true]);
+  const foot = page.locator('#beyond:not([hidden])');
+  if (await foot.count()) assert.doesNotMatch(await foot.innerText(), /element/);
+  await check(page, 'stuck-wall');
+  await shown.close();
+});
+
 // The second alarm was readable nowhere: the head has the first one, and the list is below the screen.
 test('alarms that find no room on a wall display are named at its foot, and no text of the head ends without a mark', async () => {
   const shown = await open(measured(4));
