@@ -26,7 +26,11 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   if (changed) list(ended, recorded);
   if (!changed && recorded != nullptr && std::exchange(listed_label_, recorded->label) != recorded->label)
     list_->put(*recorded);
-  anchors_.turn(now, ended, changed);
+  // A run that has begun is anchored at once, but not before the ledger knows it.
+  anchor_due_ = anchor_due_ || changed;
+  const bool due = anchor_due_ && !folder_.busy();
+  anchor_due_ = anchor_due_ && !due;
+  anchors_.turn(now, ended, due);
   deleter_.watch_clock(now);
   if (listing_->directory.load() == Reading::done) {
     if (!folder_.busy() && !std::exchange(all_listed_, true)) tell_of_strangers();

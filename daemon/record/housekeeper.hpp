@@ -69,6 +69,7 @@ class Housekeeper {
   RunAudits audits_;
   const std::shared_ptr<Listing> listing_ = std::make_shared<Listing>();
   bool all_listed_ = false;            // every run of the directory has been read
+  bool anchor_due_ = false;            // a run has begun or ended since the last anchor
   std::string listed_, listed_label_;  // file of the current run, and its label
 };
 

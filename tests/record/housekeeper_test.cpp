@@ -28,7 +28,8 @@ struct HousekeeperTest : testing::Test {
   // set_days: by which somebody has set the clock.
   void turn(double t_s, double set_days = 0.0) {
     const auto t_ns = static_cast<std::int64_t>(t_s * 1e9);
-    keeper->turn({t_ns, kMidnight_utc_ns + t_ns + static_cast<std::int64_t>(set_days * 86'400e9)}, nullptr);
+    keeper->turn({t_ns, kMidnight_utc_ns + t_ns + static_cast<std::int64_t>(set_days * 86'400e9)},
+                 recorded.file.empty() ? nullptr : &recorded);
   }
   // Turns within one instant until what the jobs' thread has done is known here.
   void turn_until(double t_s, const std::function<bool()>& known, double set_days = 0.0) {
@@ -60,6 +61,7 @@ struct HousekeeperTest : testing::Test {
   const std::string heads = scratch.path("share/heads");
   Notices notices;
   RunFolder folder;
+  ListedRun recorded;  // no file: none is recorded
   std::unique_ptr<Housekeeper> keeper;
 };
 
@@ -88,6 +90,21 @@ TEST_F(HousekeeperTest, RunsThatBeginAndEndBetweenTwoTurnsAreListedAndAnchored) 
   const std::vector<RunHeader> runs{record_run(true), record_run(true), record_run(false)};
   turn_until(0.5, [&] { return list->all()->size() == 3; });
   for (const RunHeader& run : runs) turn_until(0.5, [&] { return sent(run); });
+}
+
+// Else whoever removes the file and the ledger's tail before the next anchor removes the run without a trace.
+TEST_F(HousekeeperTest, ARunThatHasBegunIsAnchoredAsSoonAsTheLedgerKnowsIt) {
+  ASSERT_TRUE(folder.open());
+  std::filesystem::create_directory(scratch.path("share"));
+  keeper = std::make_unique<Housekeeper>(
+      HousekeepingOptions{folder_options(scratch.path("")).directory, {}, {1.0, heads, {}}}, folder,
+      std::make_shared<RunList>(), notices.tell());
+  turn_until(0.0, [&] { return std::filesystem::exists(heads); });
+  RunHeader header = rig_header();
+  header.start_utc = iso_utc(kMidnight_utc_ns);
+  ASSERT_TRUE(folder.begin(header, 0, {}));
+  recorded.file = folder.file();
+  turn_until(0.5, [&] { return Scratch::read(heads).find("dwell/run/" + header.id + " 1 ") != std::string::npos; });
 }
 
 // Each run that ends tells its last head once, and the share was away just then.
