@@ -451,7 +451,9 @@ TEST(Mutation, NoneOfALedgerIsMissedAndWhatItTellsOfRunsStaysTrue) {
     EXPECT_TRUE(run->trusted) << *mutation;
   }
   std::cout << done << " mutations: " << found << " broken, " << unchanged << " in unused space\n";
-  EXPECT_GT(found, done / 2);
+  // Each mutation is judged above; this says that they are not all harmless. More than half touch what counts (166 of
+  // 300), so by chance no more than a third of 60 do so once in 2000 runs.
+  EXPECT_GT(found, done / 3);
 }
 
 }  // namespace
