@@ -63,20 +63,31 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
   }
   const Result<Anchors> anchors = read_all_anchors(options.anchors);
   if (!anchors) return tl::unexpected(anchors.error());
+  CheckedLedger newer;  // read again, once something is missing
   LedgerAudit audit;
   audit.unbroken = ledger->verifies();
   audit.where = ledger->broken;
   if (!ledger->book.empty()) audit.key = ledger->book.last_signer().fingerprint();
   audit.trusted = audit.unbroken && !options.keys.empty();  // with keys that did not sign it, it is broken
   std::size_t done = 0;
+  bool ledger_is_new = false;
   for (const auto& [number, run] : ledger->book.runs()) {
     if (options.progress)
       options.progress(static_cast<double>(done++) / static_cast<double>(ledger->book.runs().size()));
-    if (run.deleted) {
-      audit.deleted.push_back(name_of(run) + " was deleted at " + run.deleted->utc + ": " + run.deleted->why);
-      continue;
+    const LedgerRun* now = &run;
+    std::string line = run.deleted ? std::string() : missing(run, directory);
+    if (!line.empty() && !std::exchange(ledger_is_new, true)) {
+      // Retention may have deleted it since the ledger was read: it tells the ledger first.
+      Result<CheckedLedger> checked = check_ledger(path, options);
+      if (!checked) return tl::unexpected(std::move(checked.error()));
+      newer = std::move(*checked);
     }
-    if (std::string line = missing(run, directory); !line.empty()) audit.missing.push_back(std::move(line));
+    if (!line.empty() && newer.verifies())
+      if (const LedgerRun* known = newer.find(number); known != nullptr && known->deleted) now = known;
+    if (now->deleted)
+      audit.deleted.push_back(name_of(*now) + " was deleted at " + now->deleted->utc + ": " + now->deleted->why);
+    else if (!line.empty())
+      audit.missing.push_back(std::move(line));
   }
   for (std::string& line : unknown(ledger->book, anchors->all)) audit.missing.push_back(std::move(line));
   audit.foreign_anchors = static_cast<std::size_t>(

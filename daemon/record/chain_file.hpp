@@ -62,7 +62,7 @@ class ChainWriter {
   [[nodiscard]] Result<void> merge_log();
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for
   // the disk once; twice where a long -wal is moved into the file. Nothing appended: does nothing. Fails, and discards
-  // these entries, also where the file has been removed.
+  // these entries, also where the file has been removed or replaced.
   [[nodiscard]] Result<void> commit();
   // The same where close() comes next: leaves the -wal to that, and so waits once.
   [[nodiscard]] Result<void> commit_last();
@@ -72,6 +72,8 @@ class ChainWriter {
   // are still in the file and its -wal, and it may be tried again.
   [[nodiscard]] Result<void> close();
 
+  // Whether the file has neither been removed nor replaced by another one.
+  [[nodiscard]] bool stands_at_its_name() const;
   // Entry and head of the last commit. Before the first: 0, and 32 zero bytes.
   [[nodiscard]] std::int64_t committed() const noexcept;
   [[nodiscard]] const Digest& committed_head() const noexcept;

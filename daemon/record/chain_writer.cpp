@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -118,6 +119,7 @@ struct ChainWriter::Impl {
   bool stale_log = false;  // frames of a failed transaction may follow the log's end
   bool new_log = false;    // the log is empty, and SQLite does not wait for the disk: the next commit does
   std::string broken;      // why nothing more may be written; empty: it may
+  struct stat file {};     // which file it is
 
   Impl() = default;
   Impl(const Impl&) = delete;
@@ -137,6 +139,7 @@ struct ChainWriter::Impl {
   Result<void> connect(const WhileBusy& busy = {}) {
     database = open_database(path, 0);
     if (!database || !while_busy(database.get(), busy, set_up)) return fails(sqlite_error(database.get(), path));
+    if (::stat(path.c_str(), &file) != 0) return fails(path + ": " + std::strerror(errno));
     insert_entry = prepare(database.get(), "INSERT INTO entry (seq, kind, t_ns, body, head) VALUES (?, ?, ?, ?, ?)");
     insert_note = prepare(database.get(), "INSERT INTO note (seq, text) VALUES (?, ?)");
     if (!insert_entry || !insert_note) return fails(sqlite_error(database.get(), path));
@@ -148,6 +151,15 @@ struct ChainWriter::Impl {
         },
         this);
     return {};
+  }
+
+  // Whether the file that is written stands at this name. SQLite would go on writing into one that no name leads to.
+  [[nodiscard]] Result<void> stands_at(const std::string& name) const {
+    struct stat now {};
+    if (::lstat(name.c_str(), &now) != 0)
+      return errno == ENOENT ? fails(name + ": was removed while it was written") : Result<void>();
+    if (now.st_dev == file.st_dev && now.st_ino == file.st_ino) return {};
+    return fails(name + ": was replaced while it was written");
   }
 
   void roll_back() {
@@ -277,6 +289,7 @@ Result<void> ChainWriter::merge_log() {
 Result<void> ChainWriter::take_name(const std::string& path, std::string origin, const SigningKey& key) {
   Impl& own = *impl_;
   const std::string log = path + "-wal";
+  if (Result<void> there = own.stands_at(own.path); !there) return there;
   if (::link((own.path + "-wal").c_str(), log.c_str()) != 0) return fails(log + ": " + std::strerror(errno));
   if (::link(own.path.c_str(), path.c_str()) != 0) {
     const int error = errno;
@@ -361,10 +374,9 @@ Result<void> ChainWriter::commit() {
 Result<void> ChainWriter::commit_last() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
-  // SQLite would go on writing into a file that no name leads to.
-  if (::access(own.path.c_str(), F_OK) != 0 && errno == ENOENT) {
+  if (Result<void> there = own.stands_at(own.path); !there) {
     own.roll_back();
-    return fails(own.path + ": was removed while it was written");
+    return there;
   }
   if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
   if (!own.synchronize_new_log()) {
@@ -386,6 +398,7 @@ Result<void> ChainWriter::close() {
   return own.leave_log();
 }
 
+bool ChainWriter::stands_at_its_name() const { return impl_->stands_at(impl_->path).has_value(); }
 std::int64_t ChainWriter::committed() const noexcept { return impl_->committed.seq; }
 const Digest& ChainWriter::committed_head() const noexcept { return impl_->committed.head; }
 

@@ -7,6 +7,7 @@
 
 #include "daemon/record/anchor.hpp"
 #include "daemon/record/ledger.hpp"
+#include "daemon/record/ledger_check.hpp"
 #include "daemon/record/signature.hpp"
 #include "tests/record/audited.hpp"
 
@@ -347,6 +348,23 @@ TEST(Audit, TheLedgerCutTogetherWithTheNewestRunsIsFoundOnlyByAnAnchor) {
   Anchor of_run = anchor;
   of_run.origin = "dwell/run/" + sample_header(3, sample_key()).id;
   EXPECT_EQ(audit_ledger(path, scratch.path(), with_anchors(scratch, to_line(of_run)))->missing.size(), 1u);
+}
+
+// The audit had read the ledger a moment before, and called the run missing.
+TEST(Audit, ARunThatRetentionDeletesWhileTheLedgerIsAuditedIsNotMissing) {
+  const Scratch scratch(true);
+  Ledger ledger = recorded(scratch, 1);
+  const std::string path = scratch.path("ledger.dwell-ledger");
+  AuditOptions options;
+  auto before = check_ledger(path, options);
+  ASSERT_TRUE(before) << before.error();
+  options.checked = std::make_shared<const CheckedLedger>(std::move(*before));
+  ASSERT_TRUE(ledger.run_deleted(1, "older than 90 days"));
+  std::filesystem::remove(scratch.path("a.dwell"));
+  const auto audit = audit_ledger(path, scratch.path(), options);
+  ASSERT_TRUE(audit) << audit.error();
+  EXPECT_TRUE(audit->missing.empty()) << audit->missing[0];
+  EXPECT_EQ(audit->deleted.size(), 1U);
 }
 
 // Whoever damages the file of a run that was cut off makes the service enter its end without a head.

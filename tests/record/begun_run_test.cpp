@@ -403,6 +403,29 @@ TEST(AFileAtTheNameOfARun, IsNotTheRunsAndStays) {
   EXPECT_TRUE(folder.begin(header, 1, one_event())) << "a second later it has another name";
 }
 
+// A copy was put in the file's place: SQLite went on in a file that no name leads to, and nothing was left of the run.
+TEST(AFileAtTheNameOfARun, ThatReplacesTheRunsOwnEndsTheRecording) {
+  const Scratch scratch;
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.ready());
+  folder.settle();
+  const auto replace = [](const std::string& path) {
+    fs::copy_file(path, path + ".copy");
+    fs::rename(path + ".copy", path);
+  };
+  replace(scratch.path("next-1.new"));
+  RunHeader header = rig_header();
+  header.start_utc = "2026-11-23T00:00:00Z";
+  const std::string why = folder.begin(header, 1, one_event()).error();
+  EXPECT_NE(why.find("next-1.new: was replaced while it was written"), std::string::npos) << why;
+  ASSERT_TRUE(fs::exists(scratch.path("next-1.new"))) << "it belongs to somebody else";
+  fs::remove(scratch.path("next-1.new"));
+  fs::remove(scratch.path("next-1.new-wal"));
+  ASSERT_TRUE(folder.begin(header, 1, one_event()));
+  replace(run_file_of(scratch.path(), 1));
+  EXPECT_EQ(folder.write(one_event()).error(), "was replaced while it was written");
+}
+
 TEST(AFileAtTheNameOfARun, IsNotTakenForTheRunThatACrashLeftAtItsFirstName) {
   const Scratch scratch, before;
   ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1, 0), "");
