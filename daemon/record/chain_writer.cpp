@@ -156,7 +156,7 @@ struct ChainWriter::Impl {
   // Whether the file that is written stands at this name. SQLite would go on writing into one that no name leads to.
   [[nodiscard]] Result<void> stands_at(const std::string& name) const {
     struct stat now {};
-    if (::lstat(name.c_str(), &now) != 0)
+    if (::stat(name.c_str(), &now) != 0)
       return errno == ENOENT ? fails(name + ": was removed while it was written") : Result<void>();
     if (now.st_dev == file.st_dev && now.st_ino == file.st_ino) return {};
     return fails(name + ": was replaced while it was written");
