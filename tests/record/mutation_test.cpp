@@ -428,7 +428,7 @@ TEST(Mutation, NoneOfALedgerIsMissedAndWhatItTellsOfRunsStaysTrue) {
   options.ledger = path;
   std::mt19937 random(14);
   int done = 0, found = 0, unchanged = 0;
-  while (done < draws(300, 60)) {
+  while (done < draws(300, 120)) {  // half of 60 touch unused space
     const Files& original = originals[random() % originals.size()];
     put_files(scratch, original);
     const std::optional<std::string> mutation = alter_ledger(scratch, original, rows.size(), random);
@@ -451,9 +451,7 @@ TEST(Mutation, NoneOfALedgerIsMissedAndWhatItTellsOfRunsStaysTrue) {
     EXPECT_TRUE(run->trusted) << *mutation;
   }
   std::cout << done << " mutations: " << found << " broken, " << unchanged << " in unused space\n";
-  // Each mutation is judged above; this says that they are not all harmless. More than half touch what counts (166 of
-  // 300), so by chance no more than a third of 60 do so once in 2000 runs.
-  EXPECT_GT(found, done / 3);
+  EXPECT_GT(found, done / 2);
 }
 
 }  // namespace
