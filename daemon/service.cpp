@@ -209,7 +209,7 @@ struct Service::Impl {
             log.info("run " + std::to_string(made->run) + " signed by " + made->signature->name);
           else if (made && made->entered > 0)
             log.info("run " + std::to_string(made->run) +
-                     ": signatures by persons' own keys entered into the ledger: " + std::to_string(made->entered));
+                     ": signatures entered into the ledger: " + std::to_string(made->entered));
           answer(sign_answer(made));
         });
       });

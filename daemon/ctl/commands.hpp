@@ -79,7 +79,7 @@ struct AuditRequest {
 
 struct SignOptions {
   std::string file;
-  bool enter = false;  // sign nothing; have the service enter signatures by own keys into the ledger
+  bool enter = false;  // sign nothing; have the service enter the signatures that its ledger does not know
   std::string meaning;
   std::string name;    // empty: as the system calls the user
   std::string reason;  // may be empty

@@ -40,7 +40,7 @@ RecordVerbs::RecordVerbs(Verbs& verbs, Service& service) {
   add_text(sign, "--reason", signing_.reason, record::kCommentBytes, "why");
   sign->add_option("--key", signing_.key, "sign with this private key of your own; default: the service vouches");
   sign->add_flag("--enter", signing_.enter,
-                 "sign nothing: the service enters into its ledger which persons' own keys have signed the file")
+                 "sign nothing: the service enters into its ledger the signatures that it does not know yet")
       ->excludes(meaning);
   add_control(sign, service);
   add_json(sign, service.json);

@@ -1,5 +1,5 @@
-// Acting on the rig from the page: logging in with the token, starting, labelling and stopping runs, re-arming the dwell. It is
-// there only where the service takes orders over HTTP, or asks for the token before anything may be read.
+// Acting on the rig from the page: logging in with the token, starting, labelling and stopping runs, re-arming the dwell.
+// It is there only where the service takes orders over HTTP, or asks for the token before anything may be read.
 import { setText, show } from './dom.mjs';
 import { give, noteText, whileDisabled } from './order.mjs';
 

@@ -8,6 +8,7 @@
 
 #include "daemon/record/audit.hpp"
 #include "daemon/record/chain_audit.hpp"
+#include "daemon/record/file_identity.hpp"
 #include "daemon/record/ledger_check.hpp"
 #include "daemon/record/snapshot.hpp"
 
@@ -52,6 +53,30 @@ std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Ancho
   return {others.begin(), others.end()};
 }
 
+// The ledger as it is later than the one that is audited. Retention tells the ledger before it removes a file, and it
+// may do so during the audit.
+class Later {
+ public:
+  Later(const std::string& path, const AuditOptions& options) : path_(path), options_(options) {}
+
+  // The run, if the ledger has it as deleted by now; null: it has not. Reads the ledger where it has changed.
+  [[nodiscard]] const LedgerRun* deleted(std::int64_t number) {
+    if (const FileIdentity now = identity_of(path_); now != identity_) {
+      identity_ = now;
+      Result<CheckedLedger> checked = check_ledger(path_, options_);
+      ledger_ = checked && checked->verifies() ? std::move(*checked) : CheckedLedger();
+    }
+    const LedgerRun* const run = ledger_.find(number);
+    return run != nullptr && run->deleted ? run : nullptr;
+  }
+
+ private:
+  const std::string& path_;
+  const AuditOptions& options_;
+  FileIdentity identity_{};
+  CheckedLedger ledger_;
+};
+
 }  // namespace
 
 Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& directory, const AuditOptions& options) {
@@ -63,29 +88,20 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
   }
   const Result<Anchors> anchors = read_all_anchors(options.anchors);
   if (!anchors) return tl::unexpected(anchors.error());
-  CheckedLedger newer;  // read again, once something is missing
   LedgerAudit audit;
   audit.unbroken = ledger->verifies();
   audit.where = ledger->broken;
   if (!ledger->book.empty()) audit.key = ledger->book.last_signer().fingerprint();
   audit.trusted = audit.unbroken && !options.keys.empty();  // with keys that did not sign it, it is broken
   std::size_t done = 0;
-  bool ledger_is_new = false;
+  Later later(path, options);
   for (const auto& [number, run] : ledger->book.runs()) {
     if (options.progress)
       options.progress(static_cast<double>(done++) / static_cast<double>(ledger->book.runs().size()));
-    const LedgerRun* now = &run;
     std::string line = run.deleted ? std::string() : missing(run, directory);
-    if (!line.empty() && !std::exchange(ledger_is_new, true)) {
-      // Retention may have deleted it since the ledger was read: it tells the ledger first.
-      Result<CheckedLedger> checked = check_ledger(path, options);
-      if (!checked) return tl::unexpected(std::move(checked.error()));
-      newer = std::move(*checked);
-    }
-    if (!line.empty() && newer.verifies())
-      if (const LedgerRun* known = newer.find(number); known != nullptr && known->deleted) now = known;
-    if (now->deleted)
-      audit.deleted.push_back(name_of(*now) + " was deleted at " + now->deleted->utc + ": " + now->deleted->why);
+    const LedgerRun* deleted = line.empty() ? &run : later.deleted(number);
+    if (deleted != nullptr && deleted->deleted)
+      audit.deleted.push_back(name_of(run) + " was deleted at " + deleted->deleted->utc + ": " + deleted->deleted->why);
     else if (!line.empty())
       audit.missing.push_back(std::move(line));
   }

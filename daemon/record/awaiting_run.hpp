@@ -39,8 +39,9 @@ class AwaitedRequests {
 // Labels for runs whose records the recorder has not read yet. Bound to one thread.
 class AwaitedLabels {
  public:
-  // So long one waits for its run: the recorder reads the stream some tens of ms later, or as much later as the disk is
-  // slow. Doubled, an operator hears later that the label is lost.
+  static constexpr std::size_t kMost = 64;
+  // How long a label waits for its run. The recorder reads the stream some tens of ms later, or as much later as the
+  // disk is slow. Doubled, an operator hears later that the label is lost.
   static constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
   void add(Request request, std::int64_t now_ns) { labels_.push_back({std::move(request), now_ns}); }
@@ -51,10 +52,10 @@ class AwaitedLabels {
     if (labels_.empty() || !is_due(labels_.front().request)) return std::nullopt;
     return take();
   }
-  // The next one that has waited for too long.
+  // The next one that has waited for too long, or is one too many.
   [[nodiscard]] std::optional<Request> next_lost(std::int64_t now_ns) {
-    if (labels_.empty() || now_ns - labels_.front().since_ns < kPatience_ns) return std::nullopt;
-    return take();
+    const bool late = !labels_.empty() && now_ns - labels_.front().since_ns >= kPatience_ns;
+    return late || labels_.size() > kMost ? take() : std::nullopt;
   }
 
  private:
@@ -62,7 +63,7 @@ class AwaitedLabels {
     Request request;
     std::int64_t since_ns;
   };
-  // Numbers begin anew after 65535: half of them count as before.
+  // Numbers begin anew after 65535. So of any two, the one that is less than half of them ahead is the newer one.
   [[nodiscard]] bool is_due(const Request& request) const noexcept {
     return request.after == 0 || static_cast<std::uint16_t>(newest_ - request.after) < 0x8000;
   }

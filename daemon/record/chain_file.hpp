@@ -72,8 +72,8 @@ class ChainWriter {
   // are still in the file and its -wal, and it may be tried again.
   [[nodiscard]] Result<void> close();
 
-  // Whether the file has neither been removed nor replaced by another one.
-  [[nodiscard]] bool stands_at_its_name() const;
+  // Whether the file still stands at its name: it has neither been removed nor replaced. One system call.
+  [[nodiscard]] bool in_its_place() const;
   // Entry and head of the last commit. Before the first: 0, and 32 zero bytes.
   [[nodiscard]] std::int64_t committed() const noexcept;
   [[nodiscard]] const Digest& committed_head() const noexcept;

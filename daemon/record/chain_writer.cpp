@@ -119,7 +119,9 @@ struct ChainWriter::Impl {
   bool stale_log = false;  // frames of a failed transaction may follow the log's end
   bool new_log = false;    // the log is empty, and SQLite does not wait for the disk: the next commit does
   std::string broken;      // why nothing more may be written; empty: it may
-  struct stat file {};     // which file it is
+  // Which file it is.
+  dev_t device = 0;
+  ino_t inode = 0;
 
   Impl() = default;
   Impl(const Impl&) = delete;
@@ -139,7 +141,10 @@ struct ChainWriter::Impl {
   Result<void> connect(const WhileBusy& busy = {}) {
     database = open_database(path, 0);
     if (!database || !while_busy(database.get(), busy, set_up)) return fails(sqlite_error(database.get(), path));
-    if (::stat(path.c_str(), &file) != 0) return fails(path + ": " + std::strerror(errno));
+    struct stat opened {};
+    if (::stat(path.c_str(), &opened) != 0) return fails(path + ": " + std::strerror(errno));
+    device = opened.st_dev;
+    inode = opened.st_ino;
     insert_entry = prepare(database.get(), "INSERT INTO entry (seq, kind, t_ns, body, head) VALUES (?, ?, ?, ?, ?)");
     insert_note = prepare(database.get(), "INSERT INTO note (seq, text) VALUES (?, ?)");
     if (!insert_entry || !insert_note) return fails(sqlite_error(database.get(), path));
@@ -153,13 +158,13 @@ struct ChainWriter::Impl {
     return {};
   }
 
-  // Whether the file that is written stands at this name. SQLite would go on writing into one that no name leads to.
-  [[nodiscard]] Result<void> stands_at(const std::string& name) const {
+  // Fails if the file has been removed or replaced. SQLite would go on writing into a file that no name leads to.
+  [[nodiscard]] Result<void> in_its_place() const {
     struct stat now {};
-    if (::stat(name.c_str(), &now) != 0)
-      return errno == ENOENT ? fails(name + ": was removed while it was written") : Result<void>();
-    if (now.st_dev == file.st_dev && now.st_ino == file.st_ino) return {};
-    return fails(name + ": was replaced while it was written");
+    if (::stat(path.c_str(), &now) != 0)
+      return errno == ENOENT ? fails(path + ": was removed while it was written") : Result<void>();
+    if (now.st_dev == device && now.st_ino == inode) return {};
+    return fails(path + ": was replaced while it was written");
   }
 
   void roll_back() {
@@ -289,7 +294,7 @@ Result<void> ChainWriter::merge_log() {
 Result<void> ChainWriter::take_name(const std::string& path, std::string origin, const SigningKey& key) {
   Impl& own = *impl_;
   const std::string log = path + "-wal";
-  if (Result<void> there = own.stands_at(own.path); !there) return there;
+  if (Result<void> there = own.in_its_place(); !there) return there;
   if (::link((own.path + "-wal").c_str(), log.c_str()) != 0) return fails(log + ": " + std::strerror(errno));
   if (::link(own.path.c_str(), path.c_str()) != 0) {
     const int error = errno;
@@ -374,7 +379,7 @@ Result<void> ChainWriter::commit() {
 Result<void> ChainWriter::commit_last() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
-  if (Result<void> there = own.stands_at(own.path); !there) {
+  if (Result<void> there = own.in_its_place(); !there) {
     own.roll_back();
     return there;
   }
@@ -398,7 +403,7 @@ Result<void> ChainWriter::close() {
   return own.leave_log();
 }
 
-bool ChainWriter::stands_at_its_name() const { return impl_->stands_at(impl_->path).has_value(); }
+bool ChainWriter::in_its_place() const { return impl_->in_its_place().has_value(); }
 std::int64_t ChainWriter::committed() const noexcept { return impl_->committed.seq; }
 const Digest& ChainWriter::committed_head() const noexcept { return impl_->committed.head; }
 

@@ -22,10 +22,9 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   const bool room = !jobs_.full();
   // Several runs may have begun and ended since the last turn.
   const std::vector<EndedRunFile> ended = room ? folder_.take_ended() : std::vector<EndedRunFile>();
-  const bool changed = room && (!ended.empty() || listed_ != file);
-  if (changed) list(ended, recorded);
-  if (!changed && recorded != nullptr && std::exchange(listed_label_, recorded->label) != recorded->label)
-    list_->put(*recorded);
+  const bool changed = !ended.empty() || listed_.file != file;
+  if (listed_.file != file || (recorded != nullptr && listed_.label != recorded->label)) list_current(recorded);
+  if (!ended.empty()) list_ended(ended);
   // A run that has begun is anchored at once, but not before the ledger knows it.
   anchor_due_ = anchor_due_ || changed;
   const bool due = anchor_due_ && !folder_.busy();
@@ -51,17 +50,19 @@ void Housekeeper::look_at_all(const std::string& recorded) {
   });
 }
 
-void Housekeeper::list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded) {
-  if (!ended.empty())
-    jobs_.post([directory = directory_, ended, list = list_, listing = listing_](const auto&) {
-      for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
-      listing->renewed.store(true);
-    });
-  listed_.clear();
-  if (recorded == nullptr) return;
-  listed_ = recorded->file;
-  listed_label_ = recorded->label;
-  list_->put(*recorded);
+void Housekeeper::list_current(const ListedRun* recorded) {
+  ListedRun before = std::exchange(listed_, recorded != nullptr ? *recorded : ListedRun());
+  // Until it is closed; then list_ended() has it.
+  before.state = "ending";
+  if (!before.file.empty() && before.file != listed_.file) list_->put(std::move(before));
+  if (!listed_.file.empty()) list_->put(listed_);
+}
+
+void Housekeeper::list_ended(const std::vector<EndedRunFile>& ended) {
+  jobs_.post([directory = directory_, ended, list = list_, listing = listing_](const auto&) {
+    for (const EndedRunFile& run : ended) list->put(look_at_run(directory, run.file));
+    listing->renewed.store(true);
+  });
 }
 
 // The ledger was removed or an older one put back, or the files come from elsewhere. Without this word nobody would

@@ -55,7 +55,9 @@ class Housekeeper {
   };
 
   void look_at_all(const std::string& recorded);
-  void list(const std::vector<EndedRunFile>& ended, const ListedRun* recorded);
+  // Puts the current run into the list; one that has ended stays there without an end.
+  void list_current(const ListedRun* recorded);
+  void list_ended(const std::vector<EndedRunFile>& ended);
   void tell_of_strangers();
   void audit(const ClockPair& now);
 
@@ -68,9 +70,9 @@ class Housekeeper {
   RunDeleter deleter_;
   RunAudits audits_;
   const std::shared_ptr<Listing> listing_ = std::make_shared<Listing>();
-  bool all_listed_ = false;            // every run of the directory has been read
-  bool anchor_due_ = false;            // a run has begun or ended since the last anchor
-  std::string listed_, listed_label_;  // file of the current run, and its label
+  bool all_listed_ = false;  // every run of the directory has been read
+  bool anchor_due_ = false;  // a run has begun or ended since the last anchor
+  ListedRun listed_;         // the current run, as it is in the list; no file: none goes on
 };
 
 }  // namespace dwell::record

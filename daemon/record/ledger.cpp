@@ -26,10 +26,10 @@ std::int64_t utc_now_ns() {
 
 struct Ledger::Impl {
   std::string path;
-  std::mutex writing;  // of what follows
+  std::mutex writing;  // guards file and key_changed; locked while an entry waits for the disk
   std::optional<ChainWriter> file;
   bool key_changed = false;
-  mutable std::mutex known;  // of what follows; held for a moment, never while the disk is waited for
+  mutable std::mutex known;  // guards book and head; nobody waits for the disk with it
   LedgerBook book;
   Anchor head;
 

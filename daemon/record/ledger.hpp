@@ -39,7 +39,7 @@ class Ledger {
   // As ChainWriter::merge_log().
   [[nodiscard]] Result<void> merge_log();
   // How a run's file ends. state: "closed", or "cut off" after a crash. Then `head` is that of its last committed
-  // entry; if nothing was committed, it is empty and seq 0.
+  // entry; if the file is gone or cannot be read, it is empty and seq 0.
   struct Ending {
     std::int64_t run = 0;
     std::string head;

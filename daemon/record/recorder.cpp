@@ -216,7 +216,7 @@ struct Recorder::Impl {
     }
     recorded.run = progress->header.run;
     recorded.file = folder.file();
-    recorded.label = progress->header.label;
+    recorded.label = progress->label;
     recorded.begun_by = progress->header.begun_by;
     recorded.begun_utc = progress->header.start_utc;
     recorded.state = "recording";

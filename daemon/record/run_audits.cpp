@@ -120,7 +120,7 @@ struct RunAudits::Shared {
   bool audit_next(const ListedRuns& runs, const PublicKey& key, const JobThread::Stopping& stopping) {
     std::vector<std::string> files;
     for (auto run = runs.rbegin(); run != runs.rend() && files.size() < kAudited; ++run)
-      if (run->state != "recording") files.push_back(run->file);
+      if (run->state != "recording" && run->state != "ending") files.push_back(run->file);
     keep_only(files);
     for (const std::string& file : files) {
       const std::string path = directory + "/" + file;

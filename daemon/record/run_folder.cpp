@@ -199,7 +199,7 @@ struct RunFolder::Impl {
 
   Result<void> fill_file(const RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
     auto made = prepared.take(run);
-    has_first_name = made && made->stands_at_its_name();
+    has_first_name = made && made->in_its_place();
     has_name = false;
     if (!made) return tl::unexpected(made.error());
     file.emplace(std::move(*made));

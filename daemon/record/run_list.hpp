@@ -16,14 +16,14 @@ struct ListedRun {
   std::string file;      // its name in the directory
   std::string label, begun_by;
   std::string begun_utc;
-  std::string ended_utc;            // of one that was cut off: of its last entry; empty: it goes on
-  std::string state;                // "recording", "closed", "cut off", "unreadable"
-  std::uint64_t bytes = 0;          // on the disk, its -wal included
-  std::uint64_t samples = 0;        // 0: not known, the run was cut off
-  std::uint64_t dwells = 0;         // that have ended in it
-  std::string head;                 // of its last entry, hexadecimal; empty while it goes on
-  bool kept = false;                // protected: retention never deletes it
-  bool linked = false;              // the file is a symbolic link
+  std::string ended_utc;      // of one that was cut off: of its last entry; empty: it goes on
+  std::string state;          // "recording", "ending": its file is not closed yet, "closed", "cut off", "unreadable"
+  std::uint64_t bytes = 0;    // on the disk, its -wal included
+  std::uint64_t samples = 0;  // 0: not known, the run was cut off
+  std::uint64_t dwells = 0;   // that have ended in it
+  std::string head;           // of its last entry, hexadecimal; empty while it goes on
+  bool kept = false;          // protected: retention never deletes it
+  bool linked = false;        // the file is a symbolic link
   bool clock_synchronized = false;  // when it began: else its instants may be wrong by years
 };
 

@@ -39,8 +39,8 @@ void count(RunProgress& run, const Block& block) {
   run.last_t_ns = block.last_t_ns;
 }
 
-std::string named(const RunHeader& header) {
-  return "run " + std::to_string(header.run) + (header.label.empty() ? "" : " \"" + header.label + "\"");
+std::string named(const RunProgress& run) {
+  return "run " + std::to_string(run.header.run) + (run.label.empty() ? "" : " \"" + run.label + "\"");
 }
 
 }  // namespace
@@ -103,12 +103,11 @@ void RunLog::take_labels() {
 }
 
 void RunLog::relabel(Request request) {
-  StoredEvent event = std::move(request.event);
-  event.what = "label";
-  event.before = std::exchange(run_->header.label, request.label);
-  event.after = std::move(request.label);
-  run_->relabelled = true;
-  note(std::move(event));
+  StoredEvent told = std::move(request.event);
+  told.what = "label";
+  told.before = std::exchange(run_->label, request.label);
+  told.after = std::move(request.label);
+  event(std::move(told));
 }
 
 void RunLog::note_request(const Record& record) {
@@ -143,18 +142,17 @@ void RunLog::publish(std::string kind, std::uint64_t position, std::string body)
   StoredEvent event = own_event("the " + kind + " here is not recorded: it has " + std::to_string(body.size()) +
                                 " bytes; at most " + std::to_string(kMaxJson) + " can be read back");
   event.position = position;
-  options_.tell({Notice::Grade::error, named(run_->header) + ": " + event.text, run_->header.run, {}});
+  options_.tell({Notice::Grade::error, named(*run_) + ": " + event.text, run_->header.run, {}});
   note(std::move(event));
 }
 
 void RunLog::event(StoredEvent event) {
-  if (run_) return note(std::move(event));
   if (event.utc.empty()) event.utc = utc_now();
+  if (run_) return note(std::move(event));
   early_.add(cutter_.number(), std::move(event));
 }
 
 void RunLog::note(StoredEvent event) {
-  if (event.utc.empty()) event.utc = utc_now();
   if (event.position == 0) event.position = cutter_.number() + 1 - run_->born;
   notes_.push_back({"event", 0, to_json(event)});
 }
@@ -171,11 +169,11 @@ void RunLog::gap(std::uint64_t lost) {
   const std::string why = "recorder fell behind";
   const std::string text = why + ": " + std::to_string(lost) + " records of the stream are lost";
   if (run_) {
-    const std::string run = named(run_->header);
+    const std::string run = named(*run_);
     const bool goes_on = run_->ending.empty();
     if (goes_on) {
       note(own_event(text));
-      keep_label(run_->header.label, run_->header.comment);
+      keep_label(run_->label, run_->header.comment);
     }
     end_now(why);
     if (goes_on) interrupted(run + " ended: " + text);
@@ -260,6 +258,7 @@ void RunLog::begin(const Record& edge) {
   if (!std::exchange(follows_, false) || blocks.empty()) return stop("the time before the run is not in memory");
   RunProgress run;
   run.header = make_header(requests_.of(edge), blocks.front().first_t_ns);
+  run.label = run.header.label;
   run.born = born;
   run.first_t_ns = blocks.front().first_t_ns;
   std::vector<NewEntry> batch;
@@ -278,10 +277,8 @@ void RunLog::begin(const Record& edge) {
   run_ = std::move(run);
   note_request(edge);
   interruption_.over();
-  options_.tell({Notice::Grade::info,
-                 "recording " + named(run_->header) + ", begun by " + run_->header.begun_by,
-                 run_->header.run,
-                 {}});
+  options_.tell(
+      {Notice::Grade::info, "recording " + named(*run_) + ", begun by " + run_->header.begun_by, run_->header.run, {}});
 }
 
 void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector<NewEntry>& batch) {
@@ -319,11 +316,11 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
     batch.insert(batch.end(), std::make_move_iterator(notes.begin()), std::make_move_iterator(notes.end()));
     return close(std::move(batch), run_->ending);
   }
-  const std::string run = named(run_->header);
+  const std::string run = named(*run_);
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;
   batch.push_back({"event", run_->last_t_ns, to_json(event)});
-  keep_label(run_->header.label, run_->header.comment);
+  keep_label(run_->label, run_->header.comment);
   close(std::move(batch), reason);
   interrupted(run + " ended: " + reason);
   stop(reason);
@@ -335,10 +332,10 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why) {
   last_.clear();
   batch.push_back({"end", t_ns,
                    to_json(RunEnd{why, run_->records, run_->samples, utc_now(),
-                                  run_->relabelled ? run_->header.label : std::string()})});
+                                  run_->label == run_->header.label ? std::string() : run_->label})});
   const auto ended = store_.end(batch);
   const RunProgress run = *std::exchange(run_, std::nullopt);
-  const std::string text = named(run.header) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
+  const std::string text = named(run) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
                            std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";
   if (ended) return options_.tell({Notice::Grade::info, text, run.header.run, {}});
   options_.tell({Notice::Grade::error, text + "; its end could not be recorded: " + ended.error(), run.header.run, {}});

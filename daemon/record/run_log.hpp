@@ -30,9 +30,9 @@ namespace dwell::record {
 
 // The run that is being recorded. Counts what is written.
 struct RunProgress {
-  RunHeader header;         // its label as of now
-  bool relabelled = false;  // the label is not that of the file's header
-  std::uint64_t born = 0;   // number of its first record since the service began
+  RunHeader header;        // as its file has it
+  std::string label;       // as of now; the header's is of the run's beginning
+  std::uint64_t born = 0;  // number of its first record since the service began
   std::int64_t first_t_ns = 0, last_t_ns = 0;
   std::uint64_t records = 0, samples = 0, dwells = 0, bytes = 0;  // bytes: of the entries' bodies
   std::int64_t committed_ns = 0;                                  // the raw clock at the last commit

@@ -202,7 +202,8 @@ record::Result<Signed> Countersigner::sign(const SignRequest& request, const std
   auto signature = record::sign_by_service(path, std::move(words), *key);
   if (!signature) return fail(signature.error());
   if (const auto entered = enter_(header->run, *signature); !entered)
-    return fail(path + " is signed, but the ledger does not know of it: " + entered.error());
+    return fail(path + " is signed, but the ledger does not know of it: " + entered.error() +
+                "; once that is mended, enter it with dwellctl sign --enter");
   return Signed{header->run, std::move(*signature), 1};
 }
 

@@ -18,8 +18,8 @@
 namespace dwell {
 
 struct SignRequest {
-  std::string file;    // its path, or its name in the recording directory
-  bool enter = false;  // sign nothing; enter into the ledger which persons' own keys have signed the file
+  std::string file;                     // its path, or its name in the recording directory
+  bool enter = false;                   // sign nothing; enter the signatures that the ledger does not know
   record::PersonalSignature statement;  // name (empty: as the system calls the user), meaning, reason
   std::uint32_t uid = 0;                // who asks
 };

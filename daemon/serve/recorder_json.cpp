@@ -61,6 +61,7 @@ bool is_removed(const ServiceView& view, const ListedRun& run) {
 std::string no_download(const ServiceView& view, const ListedRun& run) {
   if (is_removed(view, run)) return "its file was removed";
   if (goes_on(view, run)) return "the run goes on: its file is complete when the run has ended";
+  if (run.state == "ending") return "the run has just ended: its file is being closed";
   if (run.state == "cut off")
     return "the run was cut off: a part of it may be in a -wal file; copy both files from the recording directory";
   if (run.state != "closed") return "its file cannot be read as a run; copy it from the recording directory";
@@ -83,6 +84,7 @@ Json no_verdict(const char* state, const std::string& reason) {
 // back: how many runs of the list are newer.
 Json audit_json(const ServiceView& view, const ListedRun& run, std::size_t back) {
   if (goes_on(view, run)) return no_verdict("not audited", "the run goes on");
+  if (run.state == "ending") return no_verdict("not audited", "the run has just ended: its file is being closed");
   const record::RunVerdict* known = verdict_on(view, run);
   if (known == nullptr) {
     if (back >= record::RunAudits::kAudited)

@@ -92,6 +92,34 @@ TEST_F(HousekeeperTest, RunsThatBeginAndEndBetweenTwoTurnsAreListedAndAnchored) 
   for (const RunHeader& run : runs) turn_until(0.5, [&] { return sent(run); });
 }
 
+// It stood there as recorded, for as long as the ledger's disk was slow.
+TEST_F(HousekeeperTest, ARunThatHasEndedIsListedAsEndingUntilItsFileIsClosed) {
+  ASSERT_TRUE(folder.open());
+  const auto list = std::make_shared<RunList>();
+  keeper = std::make_unique<Housekeeper>(HousekeepingOptions{folder_options(scratch.path("")).directory, {}, {}},
+                                         folder, list, notices.tell());
+  const std::string ledger = ledger_in(scratch.path()), away = scratch.path("away");
+  folder.settle();
+  std::filesystem::rename(ledger, away);
+  RunHeader header = rig_header();
+  header.start_utc = iso_utc(kMidnight_utc_ns);
+  ASSERT_TRUE(folder.begin(header, 0, {}));
+  recorded.file = folder.file();
+  recorded.state = "recording";
+  recorded.label = "oil film";
+  turn_until(0.0, [&] { return list->all()->size() == 1; });
+  recorded.label = "dry";
+  turn(0.0);
+  EXPECT_EQ(list->all()->front().label, "dry");
+  ASSERT_TRUE(folder.end(std::vector<NewEntry>{{"end", 0, to_json(RunEnd{"operator", 0, 0, header.start_utc})}}));
+  recorded = {};
+  for (int i = 0; i < 3; ++i) turn(0.0);
+  EXPECT_EQ(list->all()->front().state, "ending");
+  std::filesystem::rename(away, ledger);
+  folder.settle();
+  turn_until(0.0, [&] { return list->all()->front().state == "closed"; });
+}
+
 // Else whoever removes the file and the ledger's tail before the next anchor removes the run without a trace.
 TEST_F(HousekeeperTest, ARunThatHasBegunIsAnchoredAsSoonAsTheLedgerKnowsIt) {
   ASSERT_TRUE(folder.open());
@@ -185,62 +213,57 @@ TEST_F(HousekeeperTest, AnAnchorThatIsUnderWayForAMinuteIsATrouble) {
   EXPECT_EQ(sender.trouble(), "");
 }
 
-// All together are half a run too large, and somebody protects the oldest after it was listed: its bytes counted as
-// freed, and nothing was deleted.
-TEST_F(HousekeeperTest, InPlaceOfARunThatIsProtectedMeanwhileTheNextOneIsDeleted) {
-  ASSERT_TRUE(folder.open());
-  for (int i = 0; i < 3; ++i) record_run(false);
-  folder.settle();
-  const auto list = std::make_shared<RunList>();
-  std::uint64_t bytes = 0;
-  look_at_runs(
-      scratch.path(), "",
-      [&](const ListedRun& run) {
-        bytes += run.bytes;
-        list->put(run);
-      },
-      [] { return false; });
+// Three closed runs in a list, and a limit that one deletion keeps: all together are half a run too large.
+struct RetentionBySizeTest : HousekeeperTest {
+  RetentionBySizeTest() {
+    EXPECT_TRUE(folder.open());
+    for (int i = 0; i < 3; ++i) record_run(false);
+    std::uint64_t bytes = 0;
+    look_at_runs(
+        scratch.path(), "",
+        [&](const ListedRun& run) {
+          bytes += run.bytes;
+          list->put(run);
+        },
+        [] { return false; });
+    RetentionPolicy policy;
+    policy.gigabytes = static_cast<double>(bytes) * 0.8e-9;
+    deleter.emplace(RetentionOptions{scratch.path(), policy, [] { return true; }}, folder, list, jobs, notices.tell());
+  }
+  // The numbers of the runs in the list.
+  [[nodiscard]] std::vector<std::int64_t> listed() const {
+    std::vector<std::int64_t> numbers;
+    for (const ListedRun& run : *list->all()) numbers.push_back(run.run);
+    return numbers;
+  }
+
+  const std::shared_ptr<RunList> list = std::make_shared<RunList>();
+  JobThread jobs{"runs"};
+  std::optional<RunDeleter> deleter;
+};
+
+// Somebody protects the oldest after it was listed: its bytes counted as freed, and nothing was deleted.
+TEST_F(RetentionBySizeTest, InPlaceOfARunThatIsProtectedMeanwhileTheNextOneIsDeleted) {
   scratch.write(list->all()->front().file + std::string(kKeepSuffix), "");
-  RetentionPolicy policy;
-  policy.gigabytes = static_cast<double>(bytes) * 0.8e-9;
-  JobThread jobs("runs");
-  RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, list, jobs, notices.tell());
-  deleter.turn({0, kMidnight_utc_ns}, nullptr, false);
+  deleter->turn({0, kMidnight_utc_ns}, nullptr, false);
   EXPECT_EQ(list->all()->size(), 3U) << "the ledger is told first";
   folder.settle();
-  deleter.turn({1, kMidnight_utc_ns}, nullptr, false);
+  deleter->turn({1, kMidnight_utc_ns}, nullptr, false);
   ASSERT_TRUE(jobs.settle(std::chrono::seconds(30)));
-  deleter.take_outcomes();
+  deleter->take_outcomes();
   EXPECT_TRUE(notices.hold("-2-")) << notices.text();
-  ASSERT_EQ(list->all()->size(), 2U);
-  EXPECT_EQ(list->all()->front().run, 1);
+  EXPECT_EQ(listed(), (std::vector<std::int64_t>{1, 3}));
 }
 
 // While the ledger was told of the oldest run, the next look chose another one, although the first sufficed.
-TEST_F(HousekeeperTest, NoMoreRunsAreDeletedThanMustBeWhereALookComesWhileTheLedgerIsTold) {
-  ASSERT_TRUE(folder.open());
-  for (int i = 0; i < 3; ++i) record_run(false);
-  const auto list = std::make_shared<RunList>();
-  std::uint64_t bytes = 0;
-  look_at_runs(
-      scratch.path(), "",
-      [&](const ListedRun& run) {
-        bytes += run.bytes;
-        list->put(run);
-      },
-      [] { return false; });
-  RetentionPolicy policy;
-  policy.gigabytes = static_cast<double>(bytes) * 0.8e-9;
-  JobThread jobs("runs");
-  RunDeleter deleter({scratch.path(), policy, [] { return true; }}, folder, list, jobs, notices.tell());
-  for (int i = 0; i < 2; ++i) deleter.turn({i, kMidnight_utc_ns}, nullptr, true);
+TEST_F(RetentionBySizeTest, NoMoreRunsAreDeletedThanMustBeWhereALookComesWhileTheLedgerIsTold) {
+  for (int i = 0; i < 2; ++i) deleter->turn({i, kMidnight_utc_ns}, nullptr, true);
   for (int i = 2; i < 6; ++i) {
     folder.settle();
-    deleter.turn({i, kMidnight_utc_ns}, nullptr, true);
+    deleter->turn({i, kMidnight_utc_ns}, nullptr, true);
     ASSERT_TRUE(jobs.settle(std::chrono::seconds(30)));
   }
-  ASSERT_EQ(list->all()->size(), 2U);
-  EXPECT_EQ(list->all()->front().run, 2);
+  EXPECT_EQ(listed(), (std::vector<std::int64_t>{2, 3}));
 }
 
 // A run that ended at midnight, a limit of 400 days, and a clock that can be set.

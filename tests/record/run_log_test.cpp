@@ -171,7 +171,7 @@ TEST_F(RunLogTest, ARunThatGoesOnIsLabelledWithAnEventAndItsEndHasTheLastLabel) 
   stream.starts();
   stream.play(2.0);
   log.request(label_request("oil film"));
-  EXPECT_EQ(log.progress()->header.label, "oil film");
+  EXPECT_EQ(log.progress()->label, "oil film");
   const std::uint64_t at = stream.position();
   log.request(label_request("dry"));
   stream.play(2.0);
@@ -199,11 +199,11 @@ TEST_F(RunLogTest, ALabelWaitsForTheRecordOfTheRequestBeforeItAndForItsRun) {
   Request label = label_request("c");
   label.after = 7;
   log.request(label);
-  EXPECT_EQ(log.progress()->header.label, store.runs[0].header.label) << "the run before";
+  EXPECT_EQ(log.progress()->label, store.runs[0].header.label) << "the run before";
   stream.ends();
   stream.armed();
   stream.begins(7);
-  EXPECT_EQ(log.progress()->header.label, "c");
+  EXPECT_EQ(log.progress()->label, "c");
   stream.play(2.0);
   stream.ends();
   stream.play(1.5);
