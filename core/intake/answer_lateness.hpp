@@ -9,6 +9,11 @@ namespace dwell {
 class AnswerLateness {
  public:
   static constexpr double kHeldUp = 1.5;  // times the usual half width
+  static constexpr double kByFar = 5.0;   // medians; exponentially distributed delays exceed it in 3 % (2⁻⁵)
+  static constexpr double kRare = 0.1;    // of the answers: so many may be left out, which widens u by at most 5 %
+  // Largest half width times slope with which a held-up answer still counts, in standard deviations of the noise: √6.
+  // An error evenly distributed over ± √6 σ has the variance 2 σ². Smaller: answers that would help are left out.
+  static constexpr double kUncertain = 2.449;
 
   // The next answer. first: the median has not been learnt yet. The first answer may be a late one, so the median moves
   // five times as fast at first.
@@ -25,9 +30,7 @@ class AnswerLateness {
   [[nodiscard]] bool rare() const noexcept { return part_ < kRare; }
 
  private:
-  static constexpr double kByFar = 5.0;  // medians; exponentially distributed delays exceed it in 3 % (2⁻⁵)
   static constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
-  static constexpr double kRare = 0.1;               // of the answers
 
   double median_ns_ = 0.0;  // running, of the half widths; 0: there is none
   double part_ = 0.0;       // running, of the answers that are late by far

@@ -10,9 +10,6 @@ constexpr double kStepNoise = 0.29;                  // standard deviation of ro
 constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // in medians, the least k; see the header
 constexpr double kTiedRounding = 2.5;
 constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are as uncertain
-// Largest half width times slope with which a held-up answer still counts, in standard deviations of the noise: √6. An
-// error evenly distributed over ± √6 σ has the variance 2 σ². Smaller: answers that would help are left out.
-constexpr double kUncertain = 2.449;
 
 }  // namespace
 
@@ -47,8 +44,9 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     errors_.add(relative);
     follow(reading);
     const bool rare = by_far && lateness_.rare();
-    return counts(!lateness_.held_up(reading.half_ns) ||
-                  (!rare && moves(reading.half_ns) <= kUncertain * std::max(noise(), kStepNoise * step)));
+    return counts(
+        !lateness_.held_up(reading.half_ns) ||
+        (!rare && moves(reading.half_ns) <= AnswerLateness::kUncertain * std::max(noise(), kStepNoise * step)));
   }
   if (tied) {
     foreign_.add(reading.value, reading.value != foreign_.value());

@@ -17,7 +17,8 @@ class HoldRecord {
   struct Reading {
     std::int64_t t_ns = 0;  // on the run's axis of time
     double value = 0.0;
-    int channel = 0;  // index into Rig::channels
+    int channel = 0;            // index into Rig::channels
+    std::uint32_t half_ns = 0;  // half width of the instant's uncertainty
   };
 
   // capacity: readings, at least 1.

@@ -1,6 +1,7 @@
 #include "core/motion/interval_steps.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dwell {
 namespace {
@@ -8,9 +9,17 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kLongest = 0.5;     // ‖A‖ t up to which …
-constexpr int kTerms = 13;           // … the first term left off, 0.5^14 / 14!, is below 1e-15
+constexpr double kLongest = 0.5;     // α t up to which …
+constexpr int kTerms = 18;           // … the first term left off is below 1e-17; in Q, where α counts twice, 1 / 19!
 constexpr std::size_t kKnown = 256;  // intervals remembered; stamps without a pattern would fill the memory
+
+double norm1(const MatrixXd& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); }
+
+// α of the header, 1/s.
+double growth_of(const MatrixXd& A) {
+  const MatrixXd A2 = A * A, A4 = A2 * A2;
+  return std::max(std::pow(norm1(A4), 0.25), std::pow(norm1(A4 * A), 0.2));
+}
 
 }  // namespace
 
@@ -18,7 +27,7 @@ IntervalSteps::IntervalSteps(const LinearModel& model) {
   const Index m = model.A.rows();
   int derivatives = 0;
   for (const MatrixXd& dA : model.dA) derivative_of_.push_back(dA.size() > 0 ? derivatives++ : -1);
-  longest_s_ = kLongest / std::max(model.A.cwiseAbs().colwise().sum().maxCoeff(), 1e-300);
+  longest_s_ = kLongest / std::max(growth_of(model.A), 1e-300);
 
   Step term{MatrixXd::Zero(m, 2 * m * (1 + derivatives))};
   term.all.leftCols(m).setIdentity();
@@ -57,7 +66,7 @@ void IntervalSteps::fill(double dt_s, Step& out) const {
     ++doublings;
   }
   out.all = terms_.back();
-  for (std::size_t k = terms_.size() - 1; k-- > 0;) out.all = (out.all * dt_s + terms_[k]).eval();
+  for (std::size_t k = terms_.size() - 1; k-- > 0;) out.all = out.all * dt_s + terms_[k];
   while (doublings-- > 0) double_interval(out);
 }
 

@@ -22,7 +22,8 @@ namespace dwell {
 struct MotionReading {
   std::int64_t t_ns = 0;  // of the motion: the stamp less the channel's stated delay
   int channel = 0;
-  double value = 0.0;  // SI
+  double value = 0.0;         // SI
+  std::uint32_t half_ns = 0;  // half width of the instant's uncertainty
 };
 
 // From here on the table's motion has the intensity of that index (Unknown::intensity).

@@ -156,10 +156,10 @@ struct Hypothesis {
 };
 
 // Hypotheses, each with the chain fitted anew from its start: first on few readings, the best on all.
-class AnewSearch {
+class FitsAnew {
  public:
   // tried: what the estimate took to be made, in readings times passes.
-  AnewSearch(const Rig& rig, const MotionData& data, std::size_t most, double tried)
+  FitsAnew(const Rig& rig, const MotionData& data, std::size_t most, double tried)
       : rig_(rig), data_(data), most_(most), left_(kMostTries * std::max(tried, kLeastTried)) {
     for (const RigMistake& mistake : rig_mistakes(rig)) all_.push_back({mistake, {}});
     for (const Parameter& term : missing_candidates(rig))
@@ -289,7 +289,7 @@ bool has_noise(const Rig& rig, const MotionCourse& course) {
 }  // namespace
 
 MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, bool contradicted,
-                          std::size_t most) {
+                          std::size_t most, bool anew) {
   MissingTerms out;
   const ChainFit now = chain_fit(rig, course);
   const bool converged = course.reason.empty() && now.readings > 0;
@@ -302,10 +302,15 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
     contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
   }
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {
-    AnewSearch search(rig, data, most, work_of(course));
-    Explanation anew = search.run(now);
-    out.untried = search.untried();
-    if (!anew.terms.empty() && anew.gain() > best.gain() - kTold) best = std::move(anew);
+    out.anew = anew ? AnewSearch::done : AnewSearch::put_off;
+    if (!anew) {
+      best = {};  // what was not tried may explain it better
+    } else {
+      FitsAnew search(rig, data, most, work_of(course));
+      Explanation other = search.run(now);
+      out.untried = search.untried();
+      if (!other.terms.empty() && other.gain() > best.gain() - kTold) best = std::move(other);
+    }
   }
   out.terms = std::move(best.terms);
   if (now.readings == 0.0)

@@ -8,6 +8,7 @@
 
 #include "core/motion/motion_course.hpp"
 #include "core/result/missing.hpp"
+#include "core/result/motion.hpp"
 
 namespace dwell {
 
@@ -15,14 +16,15 @@ struct MissingTerms {
   std::vector<MissingTerm> terms;      // likeliest first: one, and those not told from it; empty: none is named
   std::vector<std::string> unchecked;  // what these readings cannot tell
   bool tried_inputs = false;           // friction and cubic stiffness, which need a fit to begin with
-  std::size_t untried = 0;             // hypotheses left when the time was spent
+  AnewSearch anew = AnewSearch::not_asked;
+  std::size_t untried = 0;  // hypotheses left when the time was spent
 };
 
 // data: as run_course() was given. contradicted: the chain is refused, or does not converge; then mistakes of the rig
-// file are tried as well. Takes a third of the time of the estimate on a healthy rig. On a contradicted one screening
-// takes up to ten times that time, and each hypothesis that is close to the best one estimate more, a delay two.
-// Thread-safe; allocates.
+// file are tried as well, each with the chain fitted anew, unless that is put off (anew: false). Takes a third of the
+// time of the estimate on a healthy rig. On a contradicted one screening takes up to ten times that time, and each
+// hypothesis that is close to the best one estimate more, a delay two. Thread-safe; allocates.
 [[nodiscard]] MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course,
-                                        bool contradicted, std::size_t most);
+                                        bool contradicted, std::size_t most, bool anew);
 
 }  // namespace dwell

@@ -7,6 +7,7 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/motion/late_answers.hpp"
 #include "core/motion/level_crossings.hpp"
 #include "core/motion/noise_of_readings.hpp"
 #include "core/motion/weak_form.hpp"
@@ -81,6 +82,7 @@ class Course {
   // Chooses the stretch and its pieces.
   bool prepare() {
     const std::vector<double> noise = noise_where_whole();
+    leave_out_late(noise, all_);
     activity_ = table_activity(rig_, all_, noise);
     if (activity_.seen && !activity_.moves) return refuse("the table does not move");
     const auto before_ns = static_cast<std::int64_t>(1e9 / rig_.excitation.frequency_hz);

@@ -307,10 +307,11 @@ class Report {
 };
 
 // Names what the rig file lacks; where the chain is refused, with the reason.
-void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, std::size_t most,
+void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, std::size_t most, bool anew,
                   MotionEstimate& out) {
   const bool refused = !out.reason.empty();
-  MissingTerms found = find_missing(rig, data, course, refused, most);
+  MissingTerms found = find_missing(rig, data, course, refused, most, anew);
+  out.anew = found.anew;
   if (!found.terms.empty()) {
     const double by = found.terms.front().gain;
     const std::string with = told_together(found.terms),
@@ -320,6 +321,8 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
     else
       out.warnings.push_back("the readings are better explained with " + with + gain +
                              ": uncertainties are widened by what it would change");
+  } else if (refused && found.anew == AnewSearch::put_off) {
+    out.reason += "; what explains it is looked for with the next estimate";
   } else if (refused && course.reason.empty()) {
     out.reason +=
         ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, springs "
@@ -361,7 +364,7 @@ MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const Mot
   MotionEstimate out = report.judge();
   if (options.missing && course.fit.at.theta.size() > 0) {
     if (options.at_fault.empty())
-      name_missing(rig, data, course, most, out);
+      name_missing(rig, data, course, most, options.anew, out);
     else
       blame_readings(options.at_fault, out);
   }

@@ -18,9 +18,11 @@ struct MotionOptions {
   // Most readings taken, from the start of the motion on, times the states of the model: bounds the time of an
   // estimate. 70 000 readings of a table and two masses; some 2 s where scans repeat, 20 s where they come irregularly.
   std::size_t most_work = 500'000;
-  // Whether to look for what the rig file lacks: a third of the time more on a healthy rig, some times it on one that
-  // the readings contradict.
+  // Whether to look for what the rig file lacks: a third of the time more on a healthy rig.
   bool missing = true;
+  // Whether that search may fit the chain anew where the readings contradict it, which takes ten times as long. false:
+  // it is put off, and the estimate says so.
+  bool anew = true;
   // Channels whose readings are at fault. If there are any, the search
   // for what the rig file lacks is skipped, whatever `missing` says, and the estimate says so. The search would explain
   // faulty readings by terms of the rig, and takes ten times as long as the estimate.

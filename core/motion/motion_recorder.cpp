@@ -55,7 +55,8 @@ void MotionRecorder::take(const Record& record) {
   if (record.kind != Kind::sample || record.channel >= lines_.size()) return;
   const Line& line = lines_[record.channel];
   if (!line.counts || !std::isfinite(record.value) || line.numbers.beyond_range(record.value)) return;
-  const MotionReading reading{record.t_ns - line.delay_ns, record.channel, line.numbers.si(record.value)};
+  const MotionReading reading{record.t_ns - line.delay_ns, record.channel, line.numbers.si(record.value),
+                              record.t_half_ns};
   const bool of_table = record.channel == table_;
   if (full_) {
     if (of_table) outline(tail_, reading);

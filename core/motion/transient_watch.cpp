@@ -19,9 +19,8 @@ constexpr double kFirstAfter = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
 constexpr double kEstimateGrowth = 1.5;
-// The same, once the readings contradict the chain. An estimate then looks for what is missing, and costs ten times as
-// much.
-constexpr double kGrowthContradicted = 4.0;
+// The same, once an estimate has fitted the chain anew with all that may be missing, which costs ten times as much.
+constexpr double kGrowthAnew = 4.0;
 // Of the readings that an estimate may take, this part is enough for the last one: 14 000 of a table and two masses,
 // some seconds where they come irregularly, ten times as long where they contradict the chain. With all of them a
 // processor is busy for minutes after each dwell. Halved, less of the dwell has a say.
@@ -39,10 +38,13 @@ std::size_t most_readings(const Rig& rig) {
 void TransientJob::run(const Rig& rig) {
   MotionRecorder recorder(rig);
   for (const HoldRecord::Reading& reading : readings)
-    recorder.take(
-        {.t_ns = reading.t_ns, .value = reading.value, .channel = static_cast<std::uint16_t>(reading.channel)});
+    recorder.take({.t_ns = reading.t_ns,
+                   .value = reading.value,
+                   .t_half_ns = reading.half_ns,
+                   .channel = static_cast<std::uint16_t>(reading.channel)});
   MotionOptions options;
   options.at_fault = at_fault;
+  options.anew = anew;
   result.estimate = estimate_motion(rig, recorder.data(), options);
 }
 
@@ -57,7 +59,8 @@ void TransientWatch::take(const Record& record, std::int64_t t_ns, std::uint64_t
   if (record.kind != Kind::sample || record.channel >= counts_.size() || !counts_[record.channel]) return;
   now_s_ = to_s(t_ns);
   if (phase_ == Phase::gathering && settled() && record_.size() >= most_of_last_) phase_ = Phase::complete;
-  if (phase_ != Phase::complete && record_.push({t_ns, record.value, record.channel})) last_ = position;
+  if (phase_ != Phase::complete && record_.push({t_ns, record.value, record.channel, record.t_half_ns}))
+    last_ = position;
 }
 
 bool TransientWatch::settled() const noexcept { return std::isfinite(stretch_.settled_s); }
@@ -112,7 +115,7 @@ bool TransientWatch::due() const noexcept {
   if (phase_ != Phase::gathering || settled()) return false;
   const std::size_t size = record_.size(), handed = stretch_.handed;
   if (handed == 0) return size > 0 && (record_.full() || now_s_ - stretch_.start_s >= kFirstAfter * period_s_);
-  const double growth = newest_ && newest_->estimate.contradicted ? kGrowthContradicted : kEstimateGrowth;
+  const double growth = stretch_.anew == AnewSearch::done ? kGrowthAnew : kEstimateGrowth;
   return static_cast<double>(size) >= growth * static_cast<double>(handed) || (record_.full() && size > handed);
 }
 
@@ -138,6 +141,7 @@ TransientJob TransientWatch::hand_over() {
     return last;
   }
   TransientJob next = job();
+  next.anew = stretch_.anew != AnewSearch::not_asked;
   stretch_.handed = next.result.given;
   return next;
 }
@@ -147,7 +151,10 @@ std::shared_ptr<const TransientEstimate> TransientWatch::take_back(TransientJob 
   const bool last = job.ended != nullptr;
   if (!last && (phase_ == Phase::waiting || job.stretch != stretch_.number)) return nullptr;
   auto estimate = std::make_shared<const TransientEstimate>(std::move(job.result));
-  if (!last) newest_ = estimate;
+  if (!last) {
+    newest_ = estimate;
+    stretch_.anew = estimate->estimate.anew;
+  }
   return estimate;
 }
 

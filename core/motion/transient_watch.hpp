@@ -3,8 +3,10 @@
 // A stretch begins one and a half periods before its first hold. While the dwell settles, an estimate of it is due
 // - when it covers two periods of the hold;
 // - each time its readings have become 1.5 times as many, up to what an estimate may take. All of these together cost
-//   three times the last one. Where the readings contradict the chain: four times as many, since such an estimate also
-//   looks for what is missing, which costs ten times as much.
+//   three times the last one.
+// Where the readings contradict the chain, the search for what explains it may take minutes. So the first estimate of a
+// stretch leaves it out, and only says that there is a contradiction. Once an estimate has searched, the next is due
+// when the readings have become four times as many.
 // A dwell that has settled and ended gets a last estimate. Its stretch grows to a fifth of the readings that an
 // estimate may take. If it has more already when the dwell has settled, there is no last estimate, since little or
 // nothing of the dwell's own data would be in it. While a dwell is measured, and while the rig is idle, nothing is
@@ -41,7 +43,7 @@
 namespace dwell {
 
 // An estimate with the readings that it was made from: `identify --method motion` on a recording that holds just these
-// gives it again.
+// gives its numbers again, and what is missing even where that was put off.
 struct TransientEstimate {
   MotionEstimate estimate;
   double from_s = kNaN, until_s = kNaN;  // stamps of the first and the last reading given, on the run's axis
@@ -61,6 +63,7 @@ struct TransientJob {
   std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came
   TransientEstimate result;
   std::vector<ChannelFault> at_fault;  // see MotionOptions
+  bool anew = true;                    // likewise
   std::shared_ptr<const Dwell> ended;  // the dwell as it ended; set for its last estimate only
 
   // Takes seconds; allocates. The rig must be the watch's.
@@ -98,12 +101,13 @@ class TransientWatch {
  private:
   // The readings from shortly before a hold on, of one dwell.
   struct Stretch {
-    std::optional<int> dwell;  // its index; none: no dwell is on
-    std::uint64_t number = 0;  // of stretches so far
-    double start_s = kNaN;     // when its first hold began …
-    double hold_s = kNaN;      // … and its newest
-    double settled_s = kNaN;   // of the dwell
-    std::size_t handed = 0;    // readings in the last job
+    std::optional<int> dwell;                 // its index; none: no dwell is on
+    std::uint64_t number = 0;                 // of stretches so far
+    double start_s = kNaN;                    // when its first hold began …
+    double hold_s = kNaN;                     // … and its newest
+    double settled_s = kNaN;                  // of the dwell
+    std::size_t handed = 0;                   // readings in the last job
+    AnewSearch anew = AnewSearch::not_asked;  // of its newest estimate
   };
 
   [[nodiscard]] bool settled() const noexcept;

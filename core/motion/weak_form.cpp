@@ -22,6 +22,11 @@ using Eigen::VectorXd;
 
 constexpr int kPower = 6;   // of 1 - u²: derivatives up to the fifth vanish at the ends
 constexpr int kOrders = 5;  // χ … χ''''
+// Radians of the drive from reading to reading up to which a cubic through four of them follows it, to a twentieth of
+// its amplitude. Doubled: the cubic is off by the whole amplitude.
+constexpr double kFollows = 1.2;
+constexpr double kPause = 3.0;     // median intervals of a channel that is read more slowly: a gap beyond
+constexpr int kFewestWindows = 4;  // twice the unknowns of an element
 
 // Coefficients of χ and its derivatives by u, powers of u from 0.
 class TestFunction {
@@ -85,6 +90,21 @@ struct Series {
     for (int p = 2; p <= 4; ++p) sum(p - 2) *= sign / std::pow(half, p - derivative);
     return sum;
   }
+  // Whether two readings next to each other are further apart than that, somewhere in [from, to].
+  [[nodiscard]] bool has_gap(double from, double to, double longest_s) const {
+    auto i = static_cast<std::size_t>(std::upper_bound(t_s.begin(), t_s.end(), from) - t_s.begin());
+    for (i = std::max<std::size_t>(i, 1); i < t_s.size() && t_s[i - 1] < to; ++i)
+      if (t_s[i] - t_s[i - 1] > longest_s) return true;
+    return false;
+  }
+  // At least two readings.
+  [[nodiscard]] double median_interval() const {
+    std::vector<double> intervals;
+    for (std::size_t i = 1; i < t_s.size(); ++i) intervals.push_back(t_s[i] - t_s[i - 1]);
+    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+    std::nth_element(intervals.begin(), middle, intervals.end());
+    return *middle;
+  }
 };
 
 std::vector<Series> series_of(const Rig& rig, const MotionData& data) {
@@ -109,15 +129,81 @@ std::vector<Series> series_of(const Rig& rig, const MotionData& data) {
   return all;
 }
 
-// Rows of one window: (Y_0, d_1 … d_n, F) under χ'', χ''' and χ''''.
-MatrixXd window(const std::vector<Series>& all, const MatrixXd& gain, const TestFunction& chi, double middle,
-                double half) {
-  MatrixXd observed = MatrixXd::Zero(gain.cols(), 3);
-  for (Index c = 0; c < gain.cols(); ++c)
-    if (!gain.col(c).isZero(0.0))
-      observed.row(c) = all[static_cast<std::size_t>(c)].integrals(chi, middle, half).transpose();
-  return gain * observed;
-}
+// Normal equations of one element.
+struct Normal {
+  MatrixXd matrix = MatrixXd::Zero(2, 2);
+  VectorXd right = VectorXd::Zero(2);
+  int windows = 0;
+};
+
+// The windows over [from, to], where every channel has readings.
+class Windows {
+ public:
+  Windows(const Rig& rig, const std::vector<Series>& all, const MatrixXd& gain, double from, double to)
+      : rig_(rig), all_(all), gain_(gain), from_(from), to_(to) {
+    const double follows_s = kFollows / (kTwoPi * rig.excitation.frequency_hz);
+    for (Index c = 0; c < gain.cols(); ++c)
+      longest_s_.push_back(counts(c) ? std::max(follows_s, kPause * series(c).median_interval()) : 0.0);
+  }
+
+  // Normal equations of all elements. Windows in which some channel has a gap are left out: what a cubic makes of a gap
+  // of some periods is no motion.
+  [[nodiscard]] std::vector<Normal> sum() const {
+    std::vector<Normal> out(static_cast<std::size_t>(rig_.element_count()));
+    const double period = 1.0 / rig_.excitation.frequency_hz;
+    for (const double asked : {0.5 * period, period}) {
+      const double half = std::min(asked, (to_ - from_) / 4);
+      if (!(half > 0)) return out;
+      for (double middle = from_ + half; middle + half <= to_; middle += 0.25 * half)
+        if (!has_gap(middle - half, middle + half)) add(middle, half, out);
+    }
+    return out;
+  }
+
+ private:
+  [[nodiscard]] bool counts(Index c) const { return !gain_.col(c).isZero(0.0); }
+  [[nodiscard]] const Series& series(Index c) const { return all_[static_cast<std::size_t>(c)]; }
+  [[nodiscard]] bool has_gap(double from, double to) const {
+    for (Index c = 0; c < gain_.cols(); ++c)
+      if (counts(c) && series(c).has_gap(from, to, longest_s_[static_cast<std::size_t>(c)])) return true;
+    return false;
+  }
+  // (Y_0, d_1 … d_n, F) under χ'', χ''' and χ''''.
+  [[nodiscard]] MatrixXd window(double middle, double half) const {
+    MatrixXd observed = MatrixXd::Zero(gain_.cols(), 3);
+    for (Index c = 0; c < gain_.cols(); ++c)
+      if (counts(c)) observed.row(c) = series(c).integrals(chi_, middle, half).transpose();
+    return gain_ * observed;
+  }
+  // The window's row in the equations of each element.
+  void add(double middle, double half, std::vector<Normal>& to) const {
+    const int n = rig_.mass_count();
+    const MatrixXd x = window(middle, half);
+    Eigen::RowVector3d force = Eigen::RowVector3d::Zero(), y = x.topRows(n + 1).colwise().sum();
+    if (rig_.boundary == Boundary::clamped) force = x.row(n + 1);
+    double left = force(0);  // of masses k … n
+    for (int k = rig_.element_count(); k >= 1; --k) {
+      Eigen::RowVector2d row;
+      if (k == n + 1) {
+        row << y(0), -y(1);
+      } else {
+        left += rig_.masses[static_cast<std::size_t>(k - 1)] * x.topRows(k + 1).col(2).sum();
+        row << -x(k, 0), x(k, 1);
+      }
+      Normal& of = to[static_cast<std::size_t>(k - 1)];
+      of.matrix += row.transpose() * row;
+      of.right += row.transpose() * (k == n + 1 ? force(0) : left);
+      ++of.windows;
+    }
+  }
+
+  const Rig& rig_;
+  const std::vector<Series>& all_;
+  const MatrixXd& gain_;
+  double from_, to_;
+  std::vector<double> longest_s_;  // between readings, per channel: a gap beyond
+  TestFunction chi_;
+};
 
 }  // namespace
 
@@ -142,37 +228,12 @@ WeakForm weak_form(const Rig& rig, const MotionData& data) {
   if (rig.boundary == Boundary::free) G.conservativeResize(Eigen::NoChange, n + 1);
   const MatrixXd gain = solve_observation(G, weights).gain;
 
-  const double period = 1.0 / rig.excitation.frequency_hz;
-  const TestFunction chi;
-  std::vector<MatrixXd> normal(static_cast<std::size_t>(elements), MatrixXd::Zero(2, 2));
-  std::vector<VectorXd> right(static_cast<std::size_t>(elements), VectorXd::Zero(2));
-  for (const double asked : {0.5 * period, period}) {
-    const double half = std::min(asked, (to - from) / 4);
-    if (!(half > 0)) return out;
-    for (double middle = from + half; middle + half <= to; middle += 0.25 * half) {
-      const MatrixXd x = window(all, gain, chi, middle, half);
-      Eigen::RowVector3d force = Eigen::RowVector3d::Zero(), y = x.topRows(n + 1).colwise().sum();
-      if (rig.boundary == Boundary::clamped) force = x.row(n + 1);
-      double left = force(0);  // of masses k … n
-      for (int k = elements; k >= 1; --k) {
-        Eigen::RowVector2d row;
-        if (k == n + 1) {
-          row << y(0), -y(1);
-        } else {
-          left += rig.masses[static_cast<std::size_t>(k - 1)] * x.topRows(k + 1).col(2).sum();
-          row << -x(k, 0), x(k, 1);
-        }
-        const double value = k == n + 1 ? force(0) : left;
-        normal[static_cast<std::size_t>(k - 1)] += row.transpose() * row;
-        right[static_cast<std::size_t>(k - 1)] += row.transpose() * value;
-      }
-    }
-  }
-  for (int e = 0; e < elements; ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    const VectorXd solution = normal[i].colPivHouseholderQr().solve(right[i]);
-    out.stiffness(e) = solution(0);
-    out.damping(e) = solution(1);
+  const std::vector<Normal> normal = Windows(rig, all, gain, from, to).sum();
+  for (std::size_t e = 0; e < normal.size(); ++e) {
+    if (normal[e].windows < kFewestWindows) return out;
+    const VectorXd solution = normal[e].matrix.colPivHouseholderQr().solve(normal[e].right);
+    out.stiffness(static_cast<Index>(e)) = solution(0);
+    out.damping(static_cast<Index>(e)) = solution(1);
   }
   return out;
 }

@@ -8,8 +8,8 @@
 // (free: no F), linear in c_k and r_k: one row per window, least squares over all windows. A transducer of velocity or
 // acceleration has its integrals with one or two derivatives of χ less. χ = (1 - u²)⁶; the integrals are those of a
 // cubic through the nearest four readings, since the trapezoid rule on irregular instants errs by (ωΔt)²/12.
-// Noise in d_k makes both coefficients too small: good to start from, not to report. Filters count at the nominal
-// drive alone. docs/method.md, Any motion.
+// A window with a gap in its readings is left out. Noise in d_k makes both coefficients too small: good to start from,
+// not to report. Filters count at the nominal drive alone. docs/method.md, Any motion.
 #pragma once
 
 #include <Eigen/Core>

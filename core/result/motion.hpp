@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ struct MotionChannel {
   double unexplained = kNaN;  // rms explained neither by the model nor by noise between readings; part of channel's rms
 };
 
+// The long part of the search for what the rig file lacks: the chain fitted anew with each thing that may be missing.
+// It is asked for where the readings contradict the chain, or where its fit fails.
+enum class AnewSearch : std::uint8_t { not_asked, put_off, done };
+
 struct MotionEstimate {
   std::string reason;         // why there are no elements; empty: there are elements
   bool contradicted = false;  // the reason: the readings contradict the chain of the rig file
@@ -31,6 +36,7 @@ struct MotionEstimate {
   int passes = 0;                      // of the Kalman filter over the readings
   std::vector<MissingTerm> missing;    // likeliest first; one is named, and what cannot be told from it
   std::vector<std::string> unchecked;  // what these readings cannot tell whatever they show
+  AnewSearch anew = AnewSearch::not_asked;
   std::vector<std::string> warnings;
 };
 

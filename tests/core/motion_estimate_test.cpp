@@ -205,6 +205,28 @@ TEST(MotionEstimate, GivesNoCoefficientsWhereTheChainIsAnother) {
   const MotionEstimate found = estimate_motion(rig, late, {.missing = false});
   EXPECT_NE(found.reason.find("the chain of the rig file does not explain"), std::string::npos) << found.reason;
   EXPECT_TRUE(found.elements.empty());
+  EXPECT_EQ(found.anew, AnewSearch::not_asked);
+  const MotionEstimate first = estimate_motion(rig, late, {.anew = false});
+  EXPECT_NE(first.reason.find("what explains it is looked for with the next estimate"), std::string::npos)
+      << first.reason;
+  EXPECT_EQ(first.anew, AnewSearch::put_off);
+}
+
+// What a device that was absent for half a second leaves: the readings on both sides tell of one chain.
+TEST(MotionEstimate, GivesTheCoefficientsBesideAGapOfTwoPeriods) {
+  const Chain chain = clamped_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    DrivenChain driven(chain, {4.0, 0.005, 0.0, 0.3}, DrivenChain::Start::rest);
+    MotionData data = readings_of(rig, driven, 0.0, 2.5, 200.0, {1e-5, 1e-5, 1e-5, 0.1}, seed);
+    std::erase_if(data.readings, [](const MotionReading& r) { return r.t_ns > to_ns(1.1) && r.t_ns < to_ns(1.6); });
+    const MotionEstimate found = estimate_motion(rig, data, {.missing = false});
+    ASSERT_EQ(found.reason, "") << seed;
+    for (const ElementEstimate& element : found.elements) {
+      const double c = chain.stiffness[static_cast<std::size_t>(element.k - 1)];
+      EXPECT_LT(std::abs(element.stiffness.value - c), 4 * element.stiffness.u) << seed << ", element " << element.k;
+    }
+  }
 }
 
 TEST(MotionEstimate, SaysWhyThereIsNone) {

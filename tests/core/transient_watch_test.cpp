@@ -54,9 +54,10 @@ struct WatchedStart {
     }
   }
   // Gives back the newest job without having done it: its reason tells it from others.
-  void give_back(const std::string& as = "not done") {
+  void give_back(const std::string& as = "not done", AnewSearch anew = AnewSearch::not_asked) {
     TransientJob job = jobs.back();
     job.result.estimate.reason = as;
+    job.result.estimate.anew = anew;
     watch.take_back(std::move(job));
     out = false;
   }
@@ -114,6 +115,35 @@ TEST(TransientWatch, DoesTheLastEstimatesWorkThreeTimesInAll) {
   EXPECT_LT(all, 3.0 * static_cast<double>(start.jobs.back().result.given));
 }
 
+// The search may take minutes: what the first readings say must not wait for it.
+TEST(TransientWatch, LeavesTheLongSearchToTheSecondEstimateOfAContradictedStretch) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  start.go_on(3.0, dwell_of(1, 1.0));
+  ASSERT_EQ(start.jobs.size(), 1u);
+  EXPECT_FALSE(start.jobs[0].anew);
+  start.give_back("contradicted", AnewSearch::put_off);
+  start.go_on(3.3, dwell_of(1, 1.0));
+  ASSERT_EQ(start.jobs.size(), 2u) << "as soon as after any other estimate";
+  EXPECT_TRUE(start.jobs[1].anew);
+  const std::size_t searched = start.jobs[1].readings.size();
+  start.give_back("contradicted", AnewSearch::done);
+  start.go_on(60.0, dwell_of(1, 1.0));
+  ASSERT_EQ(start.jobs.size(), 3u);
+  EXPECT_GE(start.jobs[2].readings.size(), 4 * searched);
+}
+
+TEST(TransientWatch, BeginsAnotherStretchWithoutTheLongSearch) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  start.go_on(3.0, dwell_of(1, 1.0));
+  start.give_back("contradicted", AnewSearch::put_off);
+  start.go_on(3.1, Dwell());
+  start.go_on(6.0, dwell_of(2, 3.2));
+  ASSERT_EQ(start.jobs.size(), 2u);
+  EXPECT_FALSE(start.jobs[1].anew);
+}
+
 TEST(TransientWatch, HandsOverNoMoreThanAnEstimateTakesAndThenRests) {
   WatchedStart start;
   const double most_s = 500'000.0 / 7 / 3 / kScans_hz;  // seven states or a few more, three channels
@@ -163,15 +193,13 @@ TEST(TransientWatch, GoesOnWhereTheVerdictIsTakenBack) {
   EXPECT_GE(start.jobs[1].result.until_s, 4.0);
 }
 
-// Such an estimate looks for what is missing, and costs ten times as much.
-TEST(TransientWatch, LooksSeldomAtReadingsThatContradict) {
+// The search for what is missing costs ten times as much as an estimate.
+TEST(TransientWatch, EstimatesSeldomOnceItHasSearched) {
   WatchedStart start;
   start.go_on(1.0, Dwell());
   start.go_on(2.0, dwell_of(1, 1.0));
   ASSERT_EQ(start.jobs.size(), 1u);
-  TransientJob job = start.jobs.back();
-  job.result.estimate.contradicted = true;
-  start.watch.take_back(std::move(job));
+  start.give_back("contradicted", AnewSearch::done);
   start.go_on(3.0, dwell_of(1, 1.0));  // more than twice as many readings
   EXPECT_EQ(start.jobs.size(), 1u);
   start.go_on(6.0, dwell_of(1, 1.0));

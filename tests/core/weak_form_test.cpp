@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/instants.hpp"
 #include "tests/core/motion_case.hpp"
 
 namespace dwell {
@@ -30,6 +31,35 @@ TEST(WeakForm, GivesTheOneElementBetweenTableAndLoadCell) {
   const WeakForm found = weak_form(rig, readings_of(rig, driven, 0.0, 1.0, 400.0, {0, 0}, 1));
   EXPECT_NEAR(found.stiffness(0), 50000.0, 50.0);
   EXPECT_NEAR(found.damping(0), 120.0, 1.2);
+}
+
+// Two periods without readings: a cubic through what is on both sides is no motion.
+TEST(WeakForm, FindsThemBesideAGapInTheReadings) {
+  const Rig rig = rig_of(clamped_chain(), 4.0);
+  DrivenChain driven(clamped_chain(), {4.0, 0.005, 0.002, 0.4}, DrivenChain::Start::rest);
+  MotionData data = readings_of(rig, driven, 0.0, 3.0, 200.0, {0, 0, 0, 0}, 1, 3e-4);
+  std::erase_if(data.readings, [](const MotionReading& r) { return r.t_ns > to_ns(1.1) && r.t_ns < to_ns(1.6); });
+  const WeakForm found = weak_form(rig, data);
+  for (int e = 0; e < 3; ++e) {
+    const auto i = static_cast<std::size_t>(e);
+    EXPECT_NEAR(found.stiffness(e), clamped_chain().stiffness[i], 2e-3 * clamped_chain().stiffness[i]) << e;
+    EXPECT_NEAR(found.damping(e), clamped_chain().damping[i], 2e-2 * clamped_chain().damping[i]) << e;
+  }
+}
+
+TEST(WeakForm, HasNoNumberWhereEveryWindowHasAGap) {
+  const Rig rig = rig_of(clamped_chain(), 4.0);
+  DrivenChain driven(clamped_chain(), {4.0, 0.005, 0.002, 0.4}, DrivenChain::Start::rest);
+  MotionData data = readings_of(rig, driven, 0.0, 1.0, 200.0, {0, 0, 0, 0}, 1, 3e-4);
+  std::erase_if(data.readings, [](const MotionReading& r) { return r.t_ns > to_ns(0.1) && r.t_ns < to_ns(0.8); });
+  EXPECT_TRUE(std::isnan(weak_form(rig, data).stiffness(0)));
+}
+
+// Fewer than five readings a period are the channel's own rate, not gaps.
+TEST(WeakForm, TakesSlowReadingsForNoGaps) {
+  const Rig rig = rig_of(clamped_chain(), 4.0);
+  DrivenChain driven(clamped_chain(), {4.0, 0.005, 0.002, 0.4}, DrivenChain::Start::rest);
+  EXPECT_TRUE(std::isfinite(weak_form(rig, readings_of(rig, driven, 0.0, 4.0, 18.0, {0, 0, 0, 0}, 1)).stiffness(0)));
 }
 
 TEST(WeakForm, HasNoNumberWhereNoWindowFits) {
