@@ -159,8 +159,8 @@ struct Hypothesis {
 class FitsAnew {
  public:
   // tried: what the estimate took to be made, in readings times passes.
-  FitsAnew(const Rig& rig, const MotionData& data, std::size_t most, double tried)
-      : rig_(rig), data_(data), most_(most), left_(kMostTries * std::max(tried, kLeastTried)) {
+  FitsAnew(const Rig& rig, const MotionData& data, std::size_t most, double tried, std::stop_token stop)
+      : rig_(rig), data_(data), most_(most), stop_(std::move(stop)), left_(kMostTries * std::max(tried, kLeastTried)) {
     for (const RigMistake& mistake : rig_mistakes(rig)) all_.push_back({mistake, {}});
     for (const Parameter& term : missing_candidates(rig))
       if (!is_input(term.what)) all_.push_back({{}, term});
@@ -168,7 +168,7 @@ class FitsAnew {
 
   [[nodiscard]] Explanation run(const ChainFit& before) {
     const std::size_t few = std::min(most_, kScreened);
-    const ChainFit now = chain_fit(rig_, run_course(rig_, data_, few));
+    const ChainFit now = chain_fit(rig_, run_course(rig_, data_, few, {}, stop_));
     std::vector<std::pair<double, const Hypothesis*>> likely;
     for (const Hypothesis& one : all_) {
       if (!(left_ > 0.0)) {
@@ -205,7 +205,7 @@ class FitsAnew {
     double value = 0.0, u = 0.0;  // of a term
   };
   [[nodiscard]] Tried fitted(const Hypothesis& one, std::size_t most) {
-    if (!one.term) return {fit_of(run_course(rig_, without(rig_, data_, one.mistake), most))};
+    if (!one.term) return {fit_of(run_course(rig_, without(rig_, data_, one.mistake), most, {}, stop_))};
     Tried out = with_term(*one.term, data_, most);
     // The model's delay is a series, exact for small delays only. So the stamps are shifted by the delay found first,
     // and a second fit finds the rest.
@@ -222,7 +222,7 @@ class FitsAnew {
     return chain_fit(rig_, course);
   }
   [[nodiscard]] Tried with_term(const Parameter& term, const MotionData& data, std::size_t most) {
-    const MotionCourse course = run_course(rig_, data, most, term);
+    const MotionCourse course = run_course(rig_, data, most, term, stop_);
     Tried out{fit_of(course)};
     if (!out.fit.possible) return out;
     for (std::size_t a = 0; a < course.parameters.size(); ++a)
@@ -269,6 +269,7 @@ class FitsAnew {
   const Rig& rig_;
   const MotionData& data_;
   std::size_t most_;
+  std::stop_token stop_;
   double left_;  // readings times passes that may still be spent
   std::size_t untried_ = 0;
   std::vector<Hypothesis> all_;
@@ -306,7 +307,7 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
     if (!anew) {
       best = {};  // what was not tried may explain it better
     } else {
-      FitsAnew search(rig, data, most, work_of(course));
+      FitsAnew search(rig, data, most, work_of(course), course.limits.stop);
       Explanation other = search.run(now);
       out.untried = search.untried();
       if (!other.terms.empty() && other.gain() > best.gain() - kTold) best = std::move(other);

@@ -45,8 +45,8 @@ constexpr double kUntoldNoise = 1.0;
 
 class Course {
  public:
-  Course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term)
-      : rig_(rig), all_(std::move(data)), most_(most), term_(term) {
+  Course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term, std::stop_token stop)
+      : rig_(rig), all_(std::move(data)), most_(most), term_(term), stop_(std::move(stop)) {
     for (const Channel& channel : rig.channels) channels_ += channel.measures == Quantity::auxiliary ? 0 : 1;
   }
 
@@ -185,6 +185,7 @@ class Course {
     FitLimits limits;
     limits.passes = kPasses;
     limits.gain = kRough;
+    limits.stop = stop_;
     limits.lowest = VectorXd::Constant(at_.theta.size(), -1e300);
     const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
     double least = 1e-300;
@@ -353,6 +354,7 @@ class Course {
   MotionData all_;
   std::size_t most_;
   std::optional<Parameter> term_;
+  std::stop_token stop_;
   std::size_t channels_ = 0;
   int intensities_ = 0;
   TableActivity activity_;
@@ -366,8 +368,9 @@ class Course {
 
 double lowest_departure(double mass) { return -(1 - kLeastMass) * mass; }
 
-MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term) {
-  return Course(rig, std::move(data), most, term).run();
+MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term,
+                        std::stop_token stop) {
+  return Course(rig, std::move(data), most, term, std::move(stop)).run();
 }
 
 }  // namespace dwell

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,10 @@ struct MotionCourse {
 };
 
 // Takes at most `most` readings from the start of the motion on. term: one more parameter, fitted without a prior even
-// if the rig file states one; must not be an input (is_input()). Allocates; thread-safe.
+// if the rig file states one; must not be an input (is_input()). Allocates; thread-safe. Throws Stopped soon after stop
+// was requested.
 [[nodiscard]] MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most,
-                                      const std::optional<Parameter>& term = {});
+                                      const std::optional<Parameter>& term = {}, std::stop_token stop = {});
 
 // Lowest departure of a mass from what is stated, kg: below it the chain is another.
 [[nodiscard]] double lowest_departure(double mass);

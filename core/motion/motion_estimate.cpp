@@ -357,7 +357,7 @@ MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const Mot
   if (data.readings.empty()) return none;
   const auto states = static_cast<std::size_t>(MotionModel(rig, {}).states());
   const std::size_t most = options.most_work / states;
-  const MotionCourse course = run_course(rig, data, most);
+  const MotionCourse course = run_course(rig, data, most, {}, options.stop);
   none.reason = course.reason;
   if (course.data.readings.empty()) return none;
   Report report(rig, course);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,12 @@ struct MotionOptions {
   // for what the rig file lacks is skipped, whatever `missing` says, and the estimate says so. The search would explain
   // faulty readings by terms of the rig, and takes ten times as long as the estimate.
   std::vector<ChannelFault> at_fault{};
+  std::stop_token stop{};
 };
 
 // data.readings: by time, t_ns less each channel's stated delay; data.stretches: none. Where the readings do not carry
-// an estimate, `reason` says why. Thread-safe; allocates, takes seconds.
+// an estimate, `reason` says why. Thread-safe; allocates, takes seconds. Throws Stopped within two passes over the
+// readings after options.stop was requested.
 [[nodiscard]] MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const MotionOptions& options = {});
 
 }  // namespace dwell

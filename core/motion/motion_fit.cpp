@@ -56,6 +56,7 @@ class Search {
 
  private:
   [[nodiscard]] MotionFit evaluated(MotionUnknowns at) const {
+    if (limits_.stop.stop_requested()) throw Stopped();
     MotionFit fit;
     fit.at = std::move(at);
     fit.pass = evaluate(model_, data_, fit.at, {.block_s = limits_.block_s});

@@ -9,11 +9,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <exception>
+#include <stop_token>
 #include <vector>
 
 #include "core/motion/likelihood.hpp"
 
 namespace dwell {
+
+// Nobody wants the result any more.
+struct Stopped : std::exception {
+  [[nodiscard]] const char* what() const noexcept override { return "nobody wants it any more"; }
+};
 
 struct FitLimits {
   Eigen::VectorXd lowest;  // per parameter; empty: none has one
@@ -22,6 +29,7 @@ struct FitLimits {
   // standard deviations of the minimum: 1e-3 is 0.03 of them.
   double gain = 1e-3;
   double block_s = 0.0;  // as PassOptions
+  std::stop_token stop{};
 };
 
 struct MotionFit {
@@ -36,7 +44,7 @@ struct MotionFit {
 };
 
 // From a start; data and model must fit each other. A start without a finite V is not searched from. Allocates;
-// thread-safe.
+// thread-safe. Throws Stopped within a pass after limits.stop was requested.
 [[nodiscard]] MotionFit fit_motion(const MotionModel& model, const MotionData& data, MotionUnknowns start,
                                    const FitLimits& limits);
 

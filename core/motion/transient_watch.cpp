@@ -45,6 +45,7 @@ void TransientJob::run(const Rig& rig) {
   MotionOptions options;
   options.at_fault = at_fault;
   options.anew = anew;
+  options.stop = stop;
   result.estimate = estimate_motion(rig, recorder.data(), options);
 }
 
@@ -78,6 +79,7 @@ void TransientWatch::follow(const Dwell& now, std::vector<ChannelFault> at_fault
 void TransientWatch::wait() {
   if (phase_ == Phase::waiting) return;
   keep_for_last();
+  stale_.request_stop();
   phase_ = Phase::waiting;
   record_.roll();
   stretch_.dwell.reset();
@@ -89,6 +91,7 @@ void TransientWatch::begin(const Dwell& now) {
     if (phase_ != Phase::waiting) keep_for_last();
     newest_.reset();
   }
+  stale_.request_stop();
   stretch_ = {.dwell = now.index, .number = stretch_.number + 1, .start_s = now.start_s};
   record_.begin(to_ns(now.start_s - kBeforeHold * period_s_));
   phase_ = Phase::gathering;
@@ -136,6 +139,7 @@ TransientJob TransientWatch::job() const {
 TransientJob TransientWatch::hand_over() {
   out_ = true;
   if (last_job_) {
+    stale_ = std::stop_source(std::nostopstate);
     TransientJob last = std::move(*last_job_);
     last_job_.reset();
     return last;
@@ -143,6 +147,8 @@ TransientJob TransientWatch::hand_over() {
   TransientJob next = job();
   next.anew = stretch_.anew != AnewSearch::not_asked;
   stretch_.handed = next.result.given;
+  stale_ = std::stop_source();
+  next.stop = stale_.get_token();
   return next;
 }
 

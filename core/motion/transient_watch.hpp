@@ -30,6 +30,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -64,9 +65,10 @@ struct TransientJob {
   TransientEstimate result;
   std::vector<ChannelFault> at_fault;  // see MotionOptions
   bool anew = true;                    // likewise
+  std::stop_token stop{};              // likewise: requested once its stretch is over
   std::shared_ptr<const Dwell> ended;  // the dwell as it ended; set for its last estimate only
 
-  // Takes seconds; allocates. The rig must be the watch's.
+  // Takes seconds; allocates. The rig must be the watch's. Throws Stopped soon after `stop` was requested.
   void run(const Rig& rig);
 };
 
@@ -122,9 +124,10 @@ class TransientWatch {
   HoldRecord record_;
   Phase phase_ = Phase::waiting;
   Stretch stretch_;
-  double now_s_ = kNaN;     // of the newest reading
-  std::uint64_t last_ = 0;  // position of the newest reading in record_
-  bool out_ = false;        // a job is
+  double now_s_ = kNaN;                       // of the newest reading
+  std::uint64_t last_ = 0;                    // position of the newest reading in record_
+  bool out_ = false;                          // a job is
+  std::stop_source stale_{std::nostopstate};  // of the job that is out, unless it is a last one
   std::vector<ChannelFault> at_fault_;
   std::shared_ptr<const TransientEstimate> newest_;
   // The last estimate of a dwell whose end is not reported yet: it may turn out only then that the dwell has settled.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <stop_token>
 #include <string>
 
 #include "core/model/forward.hpp"
@@ -210,6 +211,15 @@ TEST(MotionEstimate, GivesNoCoefficientsWhereTheChainIsAnother) {
   EXPECT_NE(first.reason.find("what explains it is looked for with the next estimate"), std::string::npos)
       << first.reason;
   EXPECT_EQ(first.anew, AnewSearch::put_off);
+}
+
+TEST(MotionEstimate, IsGivenUpWhenNobodyWantsItAnyMore) {
+  const Chain chain = free_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  const MotionData data = start_up(rig, chain, {4.0, 0.005, 0.0, 0.3}, 2.0, 200.0, 0.003, 3);
+  std::stop_source unwanted;
+  unwanted.request_stop();
+  EXPECT_THROW((void)estimate_motion(rig, data, {.stop = unwanted.get_token()}), Stopped);
 }
 
 // What a device that was absent for half a second leaves: the readings on both sides tell of one chain.

@@ -133,6 +133,41 @@ TEST(TransientWatch, LeavesTheLongSearchToTheSecondEstimateOfAContradictedStretc
   EXPECT_GE(start.jobs[2].readings.size(), 4 * searched);
 }
 
+TEST(TransientWatch, StopsAJobWhoseStretchIsOver) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  start.go_on(3.0, dwell_of(1, 1.0));
+  ASSERT_EQ(start.jobs.size(), 1u);
+  EXPECT_FALSE(start.jobs[0].stop.stop_requested());
+  start.go_on(3.2, Dwell());
+  EXPECT_TRUE(start.jobs[0].stop.stop_requested());
+}
+
+TEST(TransientWatch, StopsAJobOfTheDriveBefore) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  start.go_on(6.0, dwell_of(1, 1.0));
+  ASSERT_EQ(start.jobs.size(), 1u);
+  EXPECT_FALSE(start.jobs[0].stop.stop_requested());
+  start.watch.follow(dwell_of(1, 6.0));  // after a hold of twenty periods
+  EXPECT_TRUE(start.jobs[0].stop.stop_requested());
+}
+
+TEST(TransientWatch, NeverStopsTheLastEstimateOfADwell) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  start.go_on(3.0, dwell_of(1, 1.0));
+  start.give_back();
+  start.hands_over = false;
+  start.go_on(4.0, settled_dwell(1, 1.0, 3.5));
+  start.watch.ended(settled_dwell(1, 1.0, 3.5));
+  ASSERT_TRUE(start.watch.due());
+  const TransientJob last = start.watch.hand_over();
+  start.go_on(8.0, dwell_of(2, 4.5));
+  start.go_on(9.0, Dwell());
+  EXPECT_FALSE(last.stop.stop_requested());
+}
+
 TEST(TransientWatch, BeginsAnotherStretchWithoutTheLongSearch) {
   WatchedStart start;
   start.go_on(1.0, Dwell());

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <stop_token>
 #include <thread>
 
 namespace dwell {
@@ -52,20 +54,40 @@ TEST(LongWorkThread, DoesWhatIsPutIntoItsSlot) {
   }
 }
 
+// Irregular instants that never repeat, at 1 kHz.
+TransientJob job_of(std::int64_t readings) {
+  TransientJob job;
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> normal;
+  for (std::int64_t i = 0; i < readings; ++i) {
+    const std::int64_t t_ns = i * 997'001 + i * i % 1009 * 101;
+    const double angle = 20.0 * std::numbers::pi * 1e-9 * static_cast<double>(t_ns);
+    job.readings.push_back({t_ns, 1e-3 * (std::sin(angle - 0.1 * static_cast<double>(i % 2)) + 1e-3 * normal(rng)),
+                            static_cast<int>(i % 2)});
+  }
+  return job;
+}
+
+TEST(LongWork, GivesAJobBackUndoneThatNobodyWantsAnyMore) {
+  LongWork work(small_rig(), 0.05);
+  TransientJob job = job_of(2'000);
+  std::stop_source unwanted;
+  unwanted.request_stop();
+  job.stop = unwanted.get_token();
+  work.estimates.put(std::move(job));
+  EXPECT_TRUE(work.estimate());
+  const std::optional<TransientJob> done = work.estimates.collect();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->result.estimate.reason, "the estimate failed: nobody wants it any more");
+  EXPECT_EQ(done->result.estimate.passes, 0);
+}
+
 TEST(LongWorkThread, EndsAtOnceWhateverItIsDoing) {
   const auto work = std::make_shared<LongWork>(small_rig(), 0.05);
   for (const auto does : {LongWorkThread::Does::estimates, LongWorkThread::Does::verifications}) {
     const LongWorkThread idle(work, does);
   }
-  TransientJob long_job;  // instants that never repeat: some tenths of a second
-  std::mt19937_64 rng(1);
-  std::normal_distribution<double> normal;
-  for (std::int64_t i = 0; i < 2'000; ++i) {
-    const std::int64_t t_ns = i * 997'001 + i * i % 1009 * 101;
-    const double angle = 20.0 * std::numbers::pi * 1e-9 * static_cast<double>(t_ns);
-    long_job.readings.push_back({t_ns, 1e-3 * (std::sin(angle - 0.1 * static_cast<double>(i % 2)) + 1e-3 * normal(rng)),
-                                 static_cast<int>(i % 2)});
-  }
+  TransientJob long_job = job_of(2'000);  // some tenths of a second
   const auto before = std::chrono::steady_clock::now();
   {
     const LongWorkThread busy(work, LongWorkThread::Does::estimates);
