@@ -26,7 +26,7 @@ class AnswerLateness {
   }
   [[nodiscard]] bool held_up(double half_ns) const noexcept { return half_ns > kHeldUp * median_ns_; }
   [[nodiscard]] bool by_far(double half_ns) const noexcept { return half_ns > kByFar * median_ns_; }
-  // Few answers are late by far: to leave them out widens u by at most 5 %.
+  // Few answers are late by far.
   [[nodiscard]] bool rare() const noexcept { return part_ < kRare; }
 
  private:

@@ -9,8 +9,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kLongest = 0.5;     // α t up to which …
-constexpr int kTerms = 18;           // … the first term left off is below 1e-17; in Q, where α counts twice, 1 / 19!
+constexpr double kLongest = 0.5;  // α t up to which …
+constexpr int kTerms = 18;        // … the first term left off is below 1e-22 in F; in Q, where α counts twice, 1e-17
 constexpr std::size_t kKnown = 256;  // intervals remembered; stamps without a pattern would fill the memory
 
 double norm1(const MatrixXd& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); }

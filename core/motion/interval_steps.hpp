@@ -8,9 +8,9 @@
 //
 // and the same differentiated gives ∂F and ∂Q. Up to α t = 1/2 a series of 18 terms is exact to rounding; longer
 // intervals are doubled. α = max(‖A⁴‖^(1/4), ‖A⁵‖^(1/5)) bounds the terms of the series as ‖A‖ does (Al-Mohy and Higham
-// 2009, theorem 4.2), and is near the highest natural frequency, where ‖A‖ is its square over the drive's. (Van Loan
-// 1978 gets the same from one exponential of twice the size; the series gives any interval anew for one evaluation of a
-// polynomial, which irregular stamps need.)
+// 2009, theorem 4.2). It is near the highest natural frequency ω_max; ‖A‖ is ω_max²/ω₀, which may be far larger. (Van
+// Loan 1978 gets the same from one exponential of twice the size; the series gives any interval anew for one evaluation
+// of a polynomial, which irregular stamps need.)
 #pragma once
 
 #include <Eigen/Core>

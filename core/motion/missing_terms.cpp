@@ -291,6 +291,7 @@ bool has_noise(const Rig& rig, const MotionCourse& course) {
 
 MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, bool contradicted,
                           std::size_t most, bool anew) {
+  const bool refused = contradicted;
   MissingTerms out;
   const ChainFit now = chain_fit(rig, course);
   const bool converged = course.reason.empty() && now.readings > 0;
@@ -305,7 +306,7 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {
     out.anew = anew ? AnewSearch::done : AnewSearch::put_off;
     if (!anew) {
-      best = {};  // what was not tried may explain it better
+      if (refused) best = {};  // what was not tried may explain it better
     } else {
       FitsAnew search(rig, data, most, work_of(course), course.limits.stop);
       Explanation other = search.run(now);

@@ -321,8 +321,12 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
     else
       out.warnings.push_back("the readings are better explained with " + with + gain +
                              ": uncertainties are widened by what it would change");
-  } else if (refused && found.anew == AnewSearch::put_off) {
-    out.reason += "; what explains it is looked for with the next estimate";
+  } else if (found.anew == AnewSearch::put_off) {
+    const std::string later = "what explains it is looked for with the next estimate";
+    if (refused)
+      out.reason += "; " + later;
+    else
+      out.warnings.push_back("a coefficient came out below zero: " + later);
   } else if (refused && course.reason.empty()) {
     out.reason +=
         ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, springs "

@@ -22,7 +22,7 @@ struct MotionOptions {
   // Whether to look for what the rig file lacks: a third of the time more on a healthy rig.
   bool missing = true;
   // Whether that search may fit the chain anew where the readings contradict it, which takes ten times as long. false:
-  // it is put off, and the estimate says so.
+  // it is put off, and reason or warnings say so.
   bool anew = true;
   // Channels whose readings are at fault. If there are any, the search
   // for what the rig file lacks is skipped, whatever `missing` says, and the estimate says so. The search would explain
@@ -32,8 +32,8 @@ struct MotionOptions {
 };
 
 // data.readings: by time, t_ns less each channel's stated delay; data.stretches: none. Where the readings do not carry
-// an estimate, `reason` says why. Thread-safe; allocates, takes seconds. Throws Stopped within two passes over the
-// readings after options.stop was requested.
+// an estimate, `reason` says why. Thread-safe; allocates, takes seconds. Throws Stopped some passes over the readings
+// after options.stop was requested, if it does not end before.
 [[nodiscard]] MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const MotionOptions& options = {});
 
 }  // namespace dwell

@@ -22,7 +22,7 @@ class MotionRecorder {
   // Most readings kept whole: 125 s of eight channels at 1 kHz, 32 MB. An estimate of a single mass takes 250 000 of
   // them. Halved, a slow start of the motion leaves fewer for it. Doubled, an estimate takes twice the memory.
   static constexpr std::size_t kWhole = 1'000'000;
-  // Most half periods of the table kept outside of that part: three hours at 5 Hz, 7 MB. Later ones are not kept.
+  // Most half periods of the table kept outside of that part: three hours at 5 Hz, 10 MB. Later ones are not kept.
   // Doubled: twice the memory. Halved: the activity of a long recording is known for half the time.
   static constexpr std::size_t kBlocks = 100'000;
 

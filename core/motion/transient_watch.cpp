@@ -49,6 +49,11 @@ void TransientJob::run(const Rig& rig) {
   result.estimate = estimate_motion(rig, recorder.data(), options);
 }
 
+TransientWatch::~TransientWatch() {
+  stale_.request_stop();
+  of_last_.request_stop();
+}
+
 TransientWatch::TransientWatch(const Rig& rig)
     : period_s_(1.0 / rig.excitation.frequency_hz),
       most_of_last_(static_cast<std::size_t>(kPartOfLast * static_cast<double>(most_readings(rig)))),
@@ -115,11 +120,14 @@ void TransientWatch::ended(const Dwell& dwell) {
 bool TransientWatch::due() const noexcept {
   if (out_) return false;
   if (last_job_) return true;
-  if (phase_ != Phase::gathering || settled()) return false;
+  if (phase_ == Phase::waiting) return false;
+  const bool owed = stretch_.anew == AnewSearch::put_off;
+  if (phase_ == Phase::complete || settled()) return owed;
   const std::size_t size = record_.size(), handed = stretch_.handed;
   if (handed == 0) return size > 0 && (record_.full() || now_s_ - stretch_.start_s >= kFirstAfter * period_s_);
   const double growth = stretch_.anew == AnewSearch::done ? kGrowthAnew : kEstimateGrowth;
-  return static_cast<double>(size) >= growth * static_cast<double>(handed) || (record_.full() && size > handed);
+  return static_cast<double>(size) >= growth * static_cast<double>(handed) ||
+         (record_.full() && (size > handed || owed));
 }
 
 // The stretch as it stands; it has readings.
@@ -139,13 +147,14 @@ TransientJob TransientWatch::job() const {
 TransientJob TransientWatch::hand_over() {
   out_ = true;
   if (last_job_) {
-    stale_ = std::stop_source(std::nostopstate);
     TransientJob last = std::move(*last_job_);
+    of_last_ = std::stop_source();
+    last.stop = of_last_.get_token();
     last_job_.reset();
     return last;
   }
   TransientJob next = job();
-  next.anew = stretch_.anew != AnewSearch::not_asked;
+  next.anew = stretch_.anew != AnewSearch::not_asked || record_.full();
   stretch_.handed = next.result.given;
   stale_ = std::stop_source();
   next.stop = stale_.get_token();

@@ -4,9 +4,9 @@
 // - when it covers two periods of the hold;
 // - each time its readings have become 1.5 times as many, up to what an estimate may take. All of these together cost
 //   three times the last one.
-// Where the readings contradict the chain, the search for what explains it may take minutes. So the first estimate of a
-// stretch leaves it out, and only says that there is a contradiction. Once an estimate has searched, the next is due
-// when the readings have become four times as many.
+// Where the readings contradict the chain, the search for what explains it may take minutes. So the first estimate that
+// finds a contradiction puts the search off and only says so; the next one makes it, even if the dwell has settled
+// meanwhile. Then the next is due when the readings have become four times as many.
 // A dwell that has settled and ended gets a last estimate. Its stretch grows to a fifth of the readings that an
 // estimate may take. If it has more already when the dwell has settled, there is no last estimate, since little or
 // nothing of the dwell's own data would be in it. While a dwell is measured, and while the rig is idle, nothing is
@@ -44,7 +44,7 @@
 namespace dwell {
 
 // An estimate with the readings that it was made from: `identify --method motion` on a recording that holds just these
-// gives its numbers again, and what is missing even where that was put off.
+// gives its coefficients again; where the search was put off, their uncertainties and the cause may differ.
 struct TransientEstimate {
   MotionEstimate estimate;
   double from_s = kNaN, until_s = kNaN;  // stamps of the first and the last reading given, on the run's axis
@@ -65,7 +65,7 @@ struct TransientJob {
   TransientEstimate result;
   std::vector<ChannelFault> at_fault;  // see MotionOptions
   bool anew = true;                    // likewise
-  std::stop_token stop{};              // likewise: requested once its stretch is over
+  std::stop_token stop{};              // likewise: requested once nobody takes the result back
   std::shared_ptr<const Dwell> ended;  // the dwell as it ended; set for its last estimate only
 
   // Takes seconds; allocates. The rig must be the watch's. Throws Stopped soon after `stop` was requested.
@@ -79,6 +79,10 @@ class TransientWatch {
 
   // Everything that is kept of the stream is allocated here: 24 bytes for each reading that an estimate takes.
   explicit TransientWatch(const Rig& rig);
+  // Stops whatever job is out.
+  ~TransientWatch();
+  TransientWatch(TransientWatch&&) = default;
+  TransientWatch& operator=(TransientWatch&&) = default;
 
   // A record of the stream, its instant on the run's axis, and its position. Real-time safe.
   void take(const Record& record, std::int64_t t_ns, std::uint64_t position = 0) noexcept;
@@ -124,10 +128,11 @@ class TransientWatch {
   HoldRecord record_;
   Phase phase_ = Phase::waiting;
   Stretch stretch_;
-  double now_s_ = kNaN;                       // of the newest reading
-  std::uint64_t last_ = 0;                    // position of the newest reading in record_
-  bool out_ = false;                          // a job is
-  std::stop_source stale_{std::nostopstate};  // of the job that is out, unless it is a last one
+  double now_s_ = kNaN;     // of the newest reading
+  std::uint64_t last_ = 0;  // position of the newest reading in record_
+  bool out_ = false;        // a job is
+  // Of the job that is out: stale_ once its stretch is over, of_last_ of a last job.
+  std::stop_source stale_{std::nostopstate}, of_last_{std::nostopstate};
   std::vector<ChannelFault> at_fault_;
   std::shared_ptr<const TransientEstimate> newest_;
   // The last estimate of a dwell whose end is not reported yet: it may turn out only then that the dwell has settled.

@@ -22,8 +22,8 @@ using Eigen::VectorXd;
 
 constexpr int kPower = 6;   // of 1 - u²: derivatives up to the fifth vanish at the ends
 constexpr int kOrders = 5;  // χ … χ''''
-// Radians of the drive from reading to reading up to which a cubic through four of them follows it, to a twentieth of
-// its amplitude. Doubled: the cubic is off by the whole amplitude.
+// Radians of the drive from reading to reading up to which a cubic through four evenly spaced ones follows it, to a
+// twentieth of its amplitude. Doubled: to half of it.
 constexpr double kFollows = 1.2;
 constexpr double kPause = 3.0;     // median intervals of a channel that is read more slowly: a gap beyond
 constexpr int kFewestWindows = 4;  // twice the unknowns of an element

@@ -35,8 +35,8 @@ class LongWorkThread {
   enum class Does : std::uint8_t { estimates, verifications };
   // Starts at once.
   LongWorkThread(std::shared_ptr<LongWork> work, Does does);
-  // Does not wait: a running job cannot be interrupted and must not hold up the end of the run. Its thread is then
-  // detached, keeps its data alive, and ends with the job.
+  // Does not wait: a running job may take seconds to notice that it is unwanted, and must not hold up the end of the
+  // run. Its thread is then detached, keeps its data alive, and ends with the job.
   ~LongWorkThread();
   LongWorkThread(const LongWorkThread&) = delete;
   LongWorkThread& operator=(const LongWorkThread&) = delete;

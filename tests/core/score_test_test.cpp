@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stop_token>
 
+#include "core/motion/missing_terms.hpp"
 #include "core/motion/refit.hpp"
 #include "core/motion/unchecked.hpp"
 #include "tests/core/faulty_motion.hpp"
@@ -55,6 +57,21 @@ TEST(ScoreTest, GainsHalfASquareOfHealthyRigs) {
   EXPECT_GT(count, 100);
   EXPECT_NEAR(sum / count, 1.0, 0.5);  // they are correlated: some twenty independent ones
   EXPECT_LT(largest, 10.0);
+}
+
+TEST(ScoreTest, ARefitAndTheLongSearchAreGivenUpWhenNobodyWantsThemAnyMore) {
+  const Chain chain = free_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  const MotionData data = readings_of(rig, FaultyMotion(chain, {}, 0.005), 3.0, 100.0, noise_of(rig, chain), 1);
+  Judged one = judged(rig, data);
+  std::stop_source unwanted;
+  one.course.limits.stop = unwanted.get_token();
+  unwanted.request_stop();
+  const Parameter& term = one.test.candidates.front();
+  EXPECT_THROW((void)refit_with(rig, one.course, term, one.test.maximum_with(0, one.course.fit.at), one.test.value(0)),
+               Stopped);
+  one.course.reason = "did not converge";
+  EXPECT_THROW((void)find_missing(rig, data, one.course, true, 10000, true), Stopped);
 }
 
 // What the test foretells the fit finds.

@@ -168,6 +168,45 @@ TEST(TransientWatch, NeverStopsTheLastEstimateOfADwell) {
   EXPECT_FALSE(last.stop.stop_requested());
 }
 
+TEST(TransientWatch, MakesTheSearchThatWasPutOffEvenWhenTheDwellHasSettledMeanwhile) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  start.go_on(3.0, dwell_of(1, 1.0));
+  start.give_back("contradicted", AnewSearch::put_off);
+  start.go_on(3.2, settled_dwell(1, 1.0, 3.1));
+  ASSERT_EQ(start.jobs.size(), 2u);
+  EXPECT_TRUE(start.jobs[1].anew);
+  start.give_back("contradicted", AnewSearch::done);
+  start.go_on(60.0, settled_dwell(1, 1.0, 3.1));
+  EXPECT_EQ(start.jobs.size(), 2u) << "once";
+}
+
+TEST(TransientWatch, MakesTheSearchAtOnceWhereNoMoreReadingsCanCome) {
+  WatchedStart start;
+  start.hands_over = false;
+  start.go_on(1.0, Dwell());
+  start.go_on(500'000.0 / 7 / 3 / kScans_hz + 20.0, dwell_of(1, 1.0));
+  ASSERT_TRUE(start.watch.due());
+  EXPECT_TRUE(start.watch.hand_over().anew);
+}
+
+TEST(TransientWatch, StopsItsLastJobWhenItGoesItself) {
+  TransientJob last;
+  {
+    WatchedStart start;
+    start.go_on(1.0, Dwell());
+    start.go_on(3.0, dwell_of(1, 1.0));
+    start.give_back();
+    start.hands_over = false;
+    start.go_on(4.0, settled_dwell(1, 1.0, 3.5));
+    start.watch.ended(settled_dwell(1, 1.0, 3.5));
+    ASSERT_TRUE(start.watch.due());
+    last = start.watch.hand_over();
+    EXPECT_FALSE(last.stop.stop_requested());
+  }
+  EXPECT_TRUE(last.stop.stop_requested());
+}
+
 TEST(TransientWatch, BeginsAnotherStretchWithoutTheLongSearch) {
   WatchedStart start;
   start.go_on(1.0, Dwell());
