@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/base/median.hpp"
 #include "core/intake/answer_lateness.hpp"
 #include "core/intake/rounding_step.hpp"
+#include "core/motion/channel_readings.hpp"
 
 namespace dwell {
 namespace {
@@ -15,9 +18,7 @@ using OneChannel = std::vector<std::size_t>;
 double median_half_ns(const MotionData& data, const OneChannel& channel) {
   std::vector<std::uint32_t> half;
   for (const std::size_t i : channel) half.push_back(data.readings[i].half_ns);
-  const auto middle = half.begin() + static_cast<std::ptrdiff_t>(half.size() / 2);
-  std::nth_element(half.begin(), middle, half.end());
-  return *middle;
+  return median(std::move(half));
 }
 
 // Standard deviation of the rounding, SI; 0: there is none.
@@ -43,7 +44,7 @@ double steepest_about(const MotionData& data, const OneChannel& certain, std::si
   return slope;
 }
 
-void find_late(const MotionData& data, const OneChannel& channel, double noise, std::vector<bool>& late) {
+void mark_late(const MotionData& data, const OneChannel& channel, double noise, std::vector<bool>& late) {
   const double median_ns = median_half_ns(data, channel);
   OneChannel certain, held_up;
   std::size_t far = 0;
@@ -65,17 +66,11 @@ void find_late(const MotionData& data, const OneChannel& channel, double noise, 
 }  // namespace
 
 std::size_t leave_out_late(const std::vector<double>& noise, MotionData& data) {
-  std::vector<OneChannel> channels(noise.size());
-  for (std::size_t i = 0; i < data.readings.size(); ++i)
-    channels[static_cast<std::size_t>(data.readings[i].channel)].push_back(i);
+  const std::vector<OneChannel> channels = by_channel(noise.size(), data);
   std::vector<bool> late(data.readings.size(), false);
   for (std::size_t c = 0; c < channels.size(); ++c)
-    if (!channels[c].empty()) find_late(data, channels[c], noise[c], late);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < late.size(); ++i)
-    if (!late[i]) data.readings[kept++] = data.readings[i];
-  data.readings.resize(kept);
-  return late.size() - kept;
+    if (!channels[c].empty()) mark_late(data, channels[c], noise[c], late);
+  return leave_out(late, data);
 }
 
 }  // namespace dwell

@@ -1,10 +1,12 @@
-// Readings whose instants are too uncertain to count in an estimate: a device was asked and answered late, so the
-// reading may be of any instant in between. The likelihood takes an instant as it stands. Left in, one answer that was
-// held up for a tenth of the drive's period leaves no estimate.
+// Leaves out readings whose instants are too uncertain for an estimate.
 //
-// The rule is that of the motion gate once it knows the noise (core/intake/motion_gate.hpp), for a stretch that is
-// known as a whole: the median half width of a channel tells which answers were held up, and the readings about such an
-// answer tell the slope. Where the noise is not known, only what is late by far goes out, and only while it is rare.
+// A device that answers late may have read its transducer at any instant since it was asked. The stamp stands in the
+// middle, and the likelihood takes it as exact. One answer that was held up for a tenth of the drive's period leaves no
+// estimate.
+//
+// The motion gate has the same rule for a live channel (core/intake/motion_gate.hpp). Here the stretch is known as a
+// whole. So the usual half width is the channel's median, and the slope is taken from the readings on both sides. If
+// the noise of a channel is not known, only answers that are late by far go out, and only while they are rare.
 #pragma once
 
 #include <cstddef>

@@ -92,8 +92,8 @@ class Course {
         std::find_if(first, all_.readings.end(), [&](const MotionReading& r) { return r.t_ns >= all_.whole_to_ns; });
     const auto left = static_cast<std::size_t>(end - first);
     out_.data.readings.assign(first, first + static_cast<std::ptrdiff_t>(std::min(left, most_)));
-    out_.left_out = leave_out_late(local_noise(rig_, out_.data), out_.data);
-    out_.left_out += leave_out_spikes(rig_, out_.data);
+    leave_out_late(local_noise(rig_, out_.data), out_.data);
+    leave_out_spikes(rig_, out_.data);
     take_level_crossings(rig_, local_noise(rig_, out_.data), out_.data);
     if (out_.data.readings.empty()) return refuse("too few readings: 0");
     out_.noise = local_noise(rig_, out_.data);
@@ -277,7 +277,6 @@ class Course {
     }
     const std::size_t far = out_.data.readings.size() - kept.size();
     if (far == 0 || static_cast<double>(far) > kMostFar * static_cast<double>(kept.size())) return false;
-    out_.left_out += far;
     out_.data.readings = std::move(kept);
     return true;
   }

@@ -25,7 +25,6 @@ struct MotionCourse {
   std::vector<double> noise;          // local_noise() of each channel, SI
   std::vector<double> size;           // rms about the mean of each channel, SI
   bool whole = false;                 // fit is of all readings of `data`
-  std::size_t left_out = 0;           // readings: answered late, and single ones far off, before the fit and after it
   int passes = 0;
 };
 

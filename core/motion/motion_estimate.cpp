@@ -29,6 +29,7 @@ using Eigen::VectorXd;
 // Blocks of two periods at least: from eight a standard deviation is known to 1/√16, a quarter. Fewer: u is widened or
 // not by chance.
 constexpr int kFewestBlocks = 8;
+constexpr const char* kLookedForLater = "; what explains it is looked for with the next estimate";
 
 class Report {
  public:
@@ -321,12 +322,8 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
     else
       out.warnings.push_back("the readings are better explained with " + with + gain +
                              ": uncertainties are widened by what it would change");
-  } else if (found.anew == AnewSearch::put_off) {
-    const std::string later = "what explains it is looked for with the next estimate";
-    if (refused)
-      out.reason += "; " + later;
-    else
-      out.warnings.push_back("a coefficient came out below zero: " + later);
+  } else if (refused && found.anew == AnewSearch::put_off) {
+    out.reason += kLookedForLater;
   } else if (refused && course.reason.empty()) {
     out.reason +=
         ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, springs "
@@ -335,6 +332,8 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
         (found.untried > 0 ? std::to_string(found.untried) + " of these were not tried, for want of time. " : "") +
         "Check the readings and the rig file";
   }
+  if (!refused && found.anew == AnewSearch::put_off)
+    out.warnings.push_back(std::string("a coefficient came out below zero") + kLookedForLater);
   out.missing = std::move(found.terms);
   out.unchecked = std::move(found.unchecked);
 }

@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <utility>
 
+#include "core/base/median.hpp"
 #include "core/motion/neighbour_weights.hpp"
 
 namespace dwell {
@@ -53,9 +55,8 @@ double sigma_at(const std::vector<double>& t, const std::vector<double>& value, 
     const double residual = std::inner_product(&value[i], &value[i] + 2 * beside + 1, weights.begin(), 0.0);
     residuals.push_back(std::abs(residual) / std::sqrt(squares_of(weights)));
   }
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return kSigmaOfMedian * *middle * (1 + relative_u(beside, static_cast<double>(residuals.size())));
+  const double widened = 1 + relative_u(beside, static_cast<double>(residuals.size()));
+  return kSigmaOfMedian * median(std::move(residuals)) * widened;
 }
 
 }  // namespace

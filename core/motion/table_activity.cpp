@@ -4,9 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/base/angle.hpp"
+#include "core/base/median.hpp"
 #include "core/motion/alike_stretches.hpp"
+#include "core/motion/channel_readings.hpp"
 #include "core/motion/neighbour_weights.hpp"
 #include "core/rig/transducer.hpp"
 
@@ -54,9 +57,7 @@ struct Departure {
   double size;
 };
 std::vector<std::vector<Departure>> departures(const Rig& rig, const MotionData& data) {
-  std::vector<std::vector<std::size_t>> by(rig.channels.size());
-  for (std::size_t i = 0; i < data.readings.size(); ++i)
-    by[static_cast<std::size_t>(data.readings[i].channel)].push_back(i);
+  const std::vector<std::vector<std::size_t>> by = by_channel(rig.channels.size(), data);
   std::vector<std::vector<Departure>> out(by.size());
   for (std::size_t c = 0; c < by.size(); ++c)
     for (std::size_t i = 2; i + 2 < by[c].size(); ++i) {
@@ -78,9 +79,7 @@ double median_sigma(const std::vector<Departure>& of) {
   if (of.size() < 4) return std::numeric_limits<double>::quiet_NaN();
   std::vector<double> sizes;
   for (const Departure& one : of) sizes.push_back(one.size);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return kSigmaOfMedian * *middle;
+  return kSigmaOfMedian * median(std::move(sizes));
 }
 
 double readings_per_m(const Rig& rig, int channel) {
@@ -130,7 +129,6 @@ std::vector<double> local_noise(const Rig& rig, const MotionData& data) {
 
 std::size_t leave_out_spikes(const Rig& rig, MotionData& data) {
   std::vector<bool> out(data.readings.size(), false);
-  std::size_t count = 0;
   for (const std::vector<Departure>& of : departures(rig, data)) {
     const double limit = kSpike * median_sigma(of);
     std::vector<std::size_t> found;
@@ -141,14 +139,8 @@ std::size_t leave_out_spikes(const Rig& rig, MotionData& data) {
     }
     if (static_cast<double>(found.size()) > kMostSpikes * static_cast<double>(of.size())) continue;
     for (const std::size_t i : found) out[i] = true;
-    count += found.size();
   }
-  if (count == 0) return 0;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < out.size(); ++i)
-    if (!out[i]) data.readings[kept++] = data.readings[i];
-  data.readings.resize(kept);
-  return count;
+  return leave_out(out, data);
 }
 
 }  // namespace dwell

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/base/median.hpp"
 #include "core/rig/observation.hpp"
 #include "core/rig/transducer.hpp"
 
@@ -25,8 +27,11 @@ constexpr int kOrders = 5;  // χ … χ''''
 // Radians of the drive from reading to reading up to which a cubic through four evenly spaced ones follows it, to a
 // twentieth of its amplitude. Doubled: to half of it.
 constexpr double kFollows = 1.2;
-constexpr double kPause = 3.0;     // median intervals of a channel that is read more slowly: a gap beyond
-constexpr int kFewestWindows = 4;  // twice the unknowns of an element
+// The same for a channel that is read more slowly, in its median intervals: beyond, three readings in a row were lost.
+// Halved: the jitter of polling makes gaps. Doubled: a cubic goes across five lost readings.
+constexpr double kPause = 3.0;
+// Twice the unknowns of an element. Halved: noise alone decides. Doubled: a short first stretch has no start.
+constexpr int kFewestWindows = 4;
 
 // Coefficients of χ and its derivatives by u, powers of u from 0.
 class TestFunction {
@@ -101,9 +106,7 @@ struct Series {
   [[nodiscard]] double median_interval() const {
     std::vector<double> intervals;
     for (std::size_t i = 1; i < t_s.size(); ++i) intervals.push_back(t_s[i] - t_s[i - 1]);
-    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-    std::nth_element(intervals.begin(), middle, intervals.end());
-    return *middle;
+    return median(std::move(intervals));
   }
 };
 
@@ -133,7 +136,6 @@ std::vector<Series> series_of(const Rig& rig, const MotionData& data) {
 struct Normal {
   MatrixXd matrix = MatrixXd::Zero(2, 2);
   VectorXd right = VectorXd::Zero(2);
-  int windows = 0;
 };
 
 // The windows over [from, to], where every channel has readings.
@@ -146,18 +148,21 @@ class Windows {
       longest_s_.push_back(counts(c) ? std::max(follows_s, kPause * series(c).median_interval()) : 0.0);
   }
 
-  // Normal equations of all elements. Windows in which some channel has a gap are left out: what a cubic makes of a gap
-  // of some periods is no motion.
-  [[nodiscard]] std::vector<Normal> sum() const {
-    std::vector<Normal> out(static_cast<std::size_t>(rig_.element_count()));
+  // Adds up the normal equations of all elements; returns over how many windows. Windows in which some channel has a
+  // gap are left out: a cubic across a gap of some periods is no motion.
+  int sum(std::vector<Normal>& of) const {
+    int windows = 0;
     const double period = 1.0 / rig_.excitation.frequency_hz;
     for (const double asked : {0.5 * period, period}) {
       const double half = std::min(asked, (to_ - from_) / 4);
-      if (!(half > 0)) return out;
-      for (double middle = from_ + half; middle + half <= to_; middle += 0.25 * half)
-        if (!has_gap(middle - half, middle + half)) add(middle, half, out);
+      if (!(half > 0)) break;
+      for (double middle = from_ + half; middle + half <= to_; middle += 0.25 * half) {
+        if (has_gap(middle - half, middle + half)) continue;
+        add(middle, half, of);
+        ++windows;
+      }
     }
-    return out;
+    return windows;
   }
 
  private:
@@ -193,7 +198,6 @@ class Windows {
       Normal& of = to[static_cast<std::size_t>(k - 1)];
       of.matrix += row.transpose() * row;
       of.right += row.transpose() * (k == n + 1 ? force(0) : left);
-      ++of.windows;
     }
   }
 
@@ -228,9 +232,9 @@ WeakForm weak_form(const Rig& rig, const MotionData& data) {
   if (rig.boundary == Boundary::free) G.conservativeResize(Eigen::NoChange, n + 1);
   const MatrixXd gain = solve_observation(G, weights).gain;
 
-  const std::vector<Normal> normal = Windows(rig, all, gain, from, to).sum();
+  std::vector<Normal> normal(static_cast<std::size_t>(elements));
+  if (Windows(rig, all, gain, from, to).sum(normal) < kFewestWindows) return out;
   for (std::size_t e = 0; e < normal.size(); ++e) {
-    if (normal[e].windows < kFewestWindows) return out;
     const VectorXd solution = normal[e].matrix.colPivHouseholderQr().solve(normal[e].right);
     out.stiffness(static_cast<Index>(e)) = solution(0);
     out.damping(static_cast<Index>(e)) = solution(1);

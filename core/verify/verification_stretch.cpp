@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/base/median.hpp"
 #include "core/base/wording.hpp"
 #include "core/model/forward.hpp"
 #include "core/rig/transducer.hpp"
@@ -58,8 +60,7 @@ std::int64_t behind_last_gap(const Instants& t_ns, std::int64_t until_ns) {
   if (t_ns.size() < 3) return INT64_MIN;
   std::vector<std::int64_t> steps;
   for (std::size_t i = 1; i < t_ns.size(); ++i) steps.push_back(t_ns[i] - t_ns[i - 1]);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  const double longest = kLongestStep * static_cast<double>(steps[steps.size() / 2]);
+  const double longest = kLongestStep * static_cast<double>(median(std::move(steps)));
   std::int64_t behind = INT64_MIN;
   for (std::size_t i = 1; i < t_ns.size() && t_ns[i] <= until_ns; ++i)
     if (static_cast<double>(t_ns[i] - t_ns[i - 1]) > longest) behind = t_ns[i];

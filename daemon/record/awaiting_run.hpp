@@ -39,7 +39,7 @@ class AwaitedRequests {
 // Labels for runs whose records the recorder has not read yet. Bound to one thread.
 class AwaitedLabels {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMost = 64;  // as AwaitedRequests::kMost
   // How long a label waits for its run. The recorder reads the stream some tens of ms later, or as much later as the
   // disk is slow. Doubled, an operator hears later that the label is lost.
   static constexpr std::int64_t kPatience_ns = 5'000'000'000;

@@ -159,6 +159,11 @@ TEST(MotionEstimate, SaysThatAStiffnessCameOutBelowZero) {
   EXPECT_FALSE(found.elements.front().identifiable);
   EXPECT_TRUE(found.elements.front().reason.starts_with("its stiffness came out below zero"))
       << found.elements.front().reason;
+  const MotionEstimate first = estimate_motion(rig, data, {.anew = false});
+  EXPECT_EQ(first.anew, AnewSearch::put_off);
+  EXPECT_NE(std::find(first.warnings.begin(), first.warnings.end(),
+                      "a coefficient came out below zero; what explains it is looked for with the next estimate"),
+            first.warnings.end());
 }
 
 TEST(MotionEstimate, CountsTheFrequencyOfTheDriveAsASourceOfNoChannel) {

@@ -53,6 +53,21 @@ struct WatchedStart {
       }
     }
   }
+  // A second of rest, then two of dwell 1: its first job is out.
+  void begin_dwell() {
+    go_on(1.0, Dwell());
+    go_on(3.0, dwell_of(1, 1.0));
+  }
+  // The same dwell settles and ends after another second.
+  TransientJob last_job() {
+    begin_dwell();
+    give_back();
+    hands_over = false;
+    go_on(4.0, settled_dwell(1, 1.0, 3.5));
+    watch.ended(settled_dwell(1, 1.0, 3.5));
+    EXPECT_TRUE(watch.due());
+    return watch.hand_over();
+  }
   // Gives back the newest job without having done it: its reason tells it from others.
   void give_back(const std::string& as = "not done", AnewSearch anew = AnewSearch::not_asked) {
     TransientJob job = jobs.back();
@@ -88,8 +103,7 @@ TEST(TransientWatch, AsksForNothingWhileTheRigIsIdle) {
 
 TEST(TransientWatch, AsksTwoPeriodsAfterTheTableBeganToMove) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   ASSERT_EQ(start.jobs.size(), 1u) << "one at a time";
   const TransientEstimate& asked = start.jobs[0].result;
   EXPECT_NEAR(asked.from_s, 1.0 - 1.5 / kDrive_hz, 0.01) << "with what it was at rest before";
@@ -118,8 +132,7 @@ TEST(TransientWatch, DoesTheLastEstimatesWorkThreeTimesInAll) {
 // The search may take minutes: what the first readings say must not wait for it.
 TEST(TransientWatch, LeavesTheLongSearchToTheSecondEstimateOfAContradictedStretch) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   ASSERT_EQ(start.jobs.size(), 1u);
   EXPECT_FALSE(start.jobs[0].anew);
   start.give_back("contradicted", AnewSearch::put_off);
@@ -135,8 +148,7 @@ TEST(TransientWatch, LeavesTheLongSearchToTheSecondEstimateOfAContradictedStretc
 
 TEST(TransientWatch, StopsAJobWhoseStretchIsOver) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   ASSERT_EQ(start.jobs.size(), 1u);
   EXPECT_FALSE(start.jobs[0].stop.stop_requested());
   start.go_on(3.2, Dwell());
@@ -155,14 +167,7 @@ TEST(TransientWatch, StopsAJobOfTheDriveBefore) {
 
 TEST(TransientWatch, NeverStopsTheLastEstimateOfADwell) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
-  start.give_back();
-  start.hands_over = false;
-  start.go_on(4.0, settled_dwell(1, 1.0, 3.5));
-  start.watch.ended(settled_dwell(1, 1.0, 3.5));
-  ASSERT_TRUE(start.watch.due());
-  const TransientJob last = start.watch.hand_over();
+  const TransientJob last = start.last_job();
   start.go_on(8.0, dwell_of(2, 4.5));
   start.go_on(9.0, Dwell());
   EXPECT_FALSE(last.stop.stop_requested());
@@ -170,8 +175,7 @@ TEST(TransientWatch, NeverStopsTheLastEstimateOfADwell) {
 
 TEST(TransientWatch, MakesTheSearchThatWasPutOffEvenWhenTheDwellHasSettledMeanwhile) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   start.give_back("contradicted", AnewSearch::put_off);
   start.go_on(3.2, settled_dwell(1, 1.0, 3.1));
   ASSERT_EQ(start.jobs.size(), 2u);
@@ -194,14 +198,7 @@ TEST(TransientWatch, StopsItsLastJobWhenItGoesItself) {
   TransientJob last;
   {
     WatchedStart start;
-    start.go_on(1.0, Dwell());
-    start.go_on(3.0, dwell_of(1, 1.0));
-    start.give_back();
-    start.hands_over = false;
-    start.go_on(4.0, settled_dwell(1, 1.0, 3.5));
-    start.watch.ended(settled_dwell(1, 1.0, 3.5));
-    ASSERT_TRUE(start.watch.due());
-    last = start.watch.hand_over();
+    last = start.last_job();
     EXPECT_FALSE(last.stop.stop_requested());
   }
   EXPECT_TRUE(last.stop.stop_requested());
@@ -209,8 +206,7 @@ TEST(TransientWatch, StopsItsLastJobWhenItGoesItself) {
 
 TEST(TransientWatch, BeginsAnotherStretchWithoutTheLongSearch) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   start.give_back("contradicted", AnewSearch::put_off);
   start.go_on(3.1, Dwell());
   start.go_on(6.0, dwell_of(2, 3.2));
@@ -283,8 +279,7 @@ TEST(TransientWatch, EstimatesSeldomOnceItHasSearched) {
 TEST(TransientWatch, GivesADwellThatHasEndedALastEstimateFromAllOfItsStretch) {
   for (const bool told_late : {false, true}) {
     WatchedStart start;
-    start.go_on(1.0, Dwell());
-    start.go_on(3.0, dwell_of(1, 1.0));
+    start.begin_dwell();
     start.give_back();
     start.hands_over = false;
     const Dwell settled = settled_dwell(1, 1.0, 3.5);
@@ -316,8 +311,7 @@ TEST(TransientWatch, GivesADwellThatNeverSettledNoLastEstimate) {
 // A dwell may turn out to have settled only when it has ended.
 TEST(TransientWatch, GivesADwellThatIsKnownToHaveSettledOnlyAtItsEndALastEstimate) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   start.give_back();
   start.go_on(4.0, Dwell());
   start.watch.ended(settled_dwell(1, 1.0, 2.0));
@@ -327,8 +321,7 @@ TEST(TransientWatch, GivesADwellThatIsKnownToHaveSettledOnlyAtItsEndALastEstimat
 
 TEST(TransientWatch, TakesNoMoreReadingsOfASettledDwellThanItsLastEstimateTakes) {
   WatchedStart start;
-  start.go_on(1.0, Dwell());
-  start.go_on(3.0, dwell_of(1, 1.0));
+  start.begin_dwell();
   start.give_back();
   start.hands_over = false;
   start.go_on(200.0, settled_dwell(1, 1.0, 2.0));
