@@ -112,22 +112,28 @@ Result<void> take_objection(const record::Entry& entry, Verdicts& models) {
   return {};
 }
 
+// When reading a file must have ended.
+struct Deadline {
+  std::chrono::seconds after;
+  SteadyClock::time_point at = SteadyClock::now() + after;
+};
+
 // Hands each entry of the kind to take(), in order, until the deadline.
 template <class Take>
-Result<void> each(ChainReader& chain, const char* kind, SteadyClock::time_point deadline, const Take& take) {
+Result<void> each(ChainReader& chain, const char* kind, const Deadline& deadline, const Take& take) {
   chain.seek(1, kind);
   for (;;) {
     const auto row = chain.next();
     if (!row) return tl::unexpected(row.error());
     if (!*row) return {};
-    if (SteadyClock::now() > deadline)
-      return fails("reading it takes more than " + std::to_string(RunDwells::kReading_s) + " s");
+    if (SteadyClock::now() > deadline.at)
+      return fails("reading it takes more than " + std::to_string(deadline.after.count()) + " s");
     if (auto taken = take((*row)->entry); !taken) return taken;
   }
 }
 
-Result<StoredRun> read_run(const std::string& path) {
-  const auto deadline = SteadyClock::now() + std::chrono::seconds(RunDwells::kReading_s);
+Result<StoredRun> read_run(const std::string& path, std::chrono::seconds at_most) {
+  const Deadline deadline{at_most};
   StoredRun run;
   run.path = path;
   run.identity = record::identity_of(path);
@@ -207,6 +213,8 @@ Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
 // The runs read last. Bound to the thread that makes late answers.
 class RunDwells::Reading {
  public:
+  explicit Reading(std::chrono::seconds at_most) : at_most_(at_most) {}
+
   // make(run): Result<HttpReply>.
   template <class Make>
   HttpReply answer(const std::string& path, const std::string& file, const Make& make) {
@@ -229,16 +237,17 @@ class RunDwells::Reading {
       if (found->identity == record::identity_of(path)) return &*found;
       runs_.erase(found);
     }
-    auto run = read_run(path);
+    auto run = read_run(path, at_most_);
     if (!run) return tl::unexpected(std::move(run.error()));
     if (runs_.size() == kRuns) runs_.pop_front();
     return &runs_.emplace_back(std::move(*run));
   }
 
-  std::deque<StoredRun> runs_;  // the newest last
+  const std::chrono::seconds at_most_;  // for one file
+  std::deque<StoredRun> runs_;          // the newest last
 };
 
-RunDwells::RunDwells() : reading_(std::make_shared<Reading>()) {}
+RunDwells::RunDwells(std::chrono::seconds reading) : reading_(std::make_shared<Reading>(reading)) {}
 
 bool RunDwells::is_asked(std::string_view path) {
   return path.starts_with(kRunFiles) && path.substr(kRunFiles.size()).find('/') != std::string_view::npos;

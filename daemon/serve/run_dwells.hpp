@@ -9,6 +9,7 @@
 // audit does that (run_audits.hpp).
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string_view>
@@ -27,9 +28,9 @@ class RunDwells {
   static constexpr std::size_t kDwells = 1000;
   // Reading a file ends after so long. It reads every result: of four elements 0.9 GB for a day's run, 10 s from a slow
   // disk. Longer: one hostile file keeps others waiting for longer.
-  static constexpr int kReading_s = 60;
+  static constexpr std::chrono::seconds kReading{60};
 
-  RunDwells();
+  explicit RunDwells(std::chrono::seconds reading = kReading);
 
   // Whether the path is one of the two.
   [[nodiscard]] static bool is_asked(std::string_view path);
