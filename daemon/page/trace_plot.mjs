@@ -31,11 +31,14 @@ export class TracePlot {
   #canvas;
   #context;
   #style;
+  #wide = 0; // px, of the picture that is being drawn: asking the canvas again and again costs a layout each time
   #short = { of: null, width: 0, names: [] }; // measured once for each set of names and width
 
   constructor(canvas) {
     this.#canvas = canvas;
-    this.#context = canvas.getContext('2d', { alpha: false });
+    // desynchronized: a picture does not pass through the page's own layers, which takes a seventh off all that the page
+    // costs (tests/page/load.test.js) and is seen by nobody: the traces move by themselves.
+    this.#context = canvas.getContext('2d', { alpha: false, desynchronized: true });
     const style = getComputedStyle(document.documentElement);
     this.#style = Object.fromEntries(['sheet', 'line', 'ink', 'faint', 'old'].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
   }
@@ -49,7 +52,7 @@ export class TracePlot {
     return view.from_s + (x - LEFT) / this.width * (view.to_s - view.from_s);
   }
   #x(t_s, view) {
-    return LEFT + (t_s - view.from_s) / (view.to_s - view.from_s) * this.width;
+    return LEFT + (t_s - view.from_s) / (view.to_s - view.from_s) * (this.#wide - 2 * LEFT);
   }
 
   // window: a TraceWindow; view: { from_s, to_s, end: what stands at its right end }; cursors: instants with their names;
@@ -58,6 +61,7 @@ export class TracePlot {
     const c = this.#context;
     const sharp = Math.min(devicePixelRatio, SHARPEST);
     const [width, height] = [this.#canvas.clientWidth, this.#canvas.clientHeight];
+    this.#wide = width;
     if (this.#canvas.width !== Math.round(width * sharp) || this.#canvas.height !== Math.round(height * sharp)) {
       this.#canvas.width = Math.round(width * sharp);
       this.#canvas.height = Math.round(height * sharp);
@@ -130,12 +134,12 @@ export class TracePlot {
     c.strokeStyle = this.#style.line;
     c.beginPath();
     c.moveTo(0, Math.round(top + height) + 0.5);
-    c.lineTo(this.#canvas.clientWidth, Math.round(top + height) + 0.5);
+    c.lineTo(this.#wide, Math.round(top + height) + 0.5);
     c.stroke();
     if (scale) {
       const middle = top + height / 2;
       const perUnit = (height / 2 - 3) / scale.half;
-      const perBin = window.step_s / (view.to_s - view.from_s) * this.width;
+      const perBin = window.step_s / (view.to_s - view.from_s) * (this.#wide - 2 * LEFT);
       const start = this.#x((window.first + 0.5) * window.step_s, view);
       c.strokeStyle = age === null ? this.#style.ink : this.#style.old;
       c.beginPath();
@@ -148,12 +152,13 @@ export class TracePlot {
         if (low !== low) continue; // no reading came: a slow channel's line goes on
         const x = start + i * perBin;
         const [bottom, peak] = [middle - (low - scale.middle) * perUnit, middle - (window.high(channel, i) - scale.middle) * perUnit];
-        // Up and down within the bin, beginning at the end that is nearer.
+        // Up and down within the bin, beginning at the end that is nearer. Where the line passes that end on its way to the
+        // other one, it needs no corner there.
         const down = Math.abs(bottom - last) < Math.abs(peak - last);
         const [one, other] = down ? [bottom, peak] : [peak, bottom];
-        if (joined) c.lineTo(x, one);
-        else c.moveTo(x, one === other ? one - 0.5 : one);
-        if (one !== other || !joined) c.lineTo(x, other);
+        if (!joined) c.moveTo(x, one === other ? one - 0.5 : one);
+        else if ((one - last) * (other - one) < 0) c.lineTo(x, one);
+        c.lineTo(x, other);
         [last, joined] = [other, !broken];
       }
       c.stroke();
@@ -165,7 +170,7 @@ export class TracePlot {
 
   #label(name, scale, top) {
     const c = this.#context;
-    const text = shortened(readable(`${name}${scale}`), (part) => c.measureText(part).width <= this.#canvas.clientWidth - 10);
+    const text = shortened(readable(`${name}${scale}`), (part) => c.measureText(part).width <= this.#wide - 10);
     c.textAlign = 'left';
     c.fillStyle = this.#style.sheet;
     c.fillRect(0, top + 1, c.measureText(text).width + 10, LABEL + 3);

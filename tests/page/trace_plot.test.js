@@ -7,26 +7,38 @@ import { TraceWindow } from '../../daemon/page/trace_window.mjs';
 const WIDTH = 1016; // px: 10 px a bin, 8 px of margin on both sides
 const BINS = 100;
 
-// The instants, in bins, from and to which a line goes across: [[from, to], …].
-function linesAcross(values, breaks) {
+// The steps of the pen for one channel, [what it does, x, y], of which `min` and `max` are the readings of each bin.
+function penOf({ min, max = min, breaks = [] }) {
   globalThis.document = { documentElement: null };
   globalThis.getComputedStyle = () => ({ getPropertyValue: () => '' });
   globalThis.devicePixelRatio = 1;
-  const lines = [];
-  let at = null;
+  const steps = [];
   const context = new Proxy({}, {
     get: (_, name) => ({
-      moveTo: (x) => { at = x; },
-      lineTo: (x) => { if (x !== at) lines.push([at, x]); at = x; },
+      moveTo: (x, y) => steps.push(['move', x, y]),
+      lineTo: (x, y) => steps.push(['line', x, y]),
       measureText: () => ({ width: 0 }),
     }[name] ?? (() => {})),
     set: () => true,
   });
-  const channel = { name: 'y0', unit: 'mm', min: values, max: values, breaks };
+  const channel = { name: 'y0', unit: 'mm', min, max, breaks };
   const window = new TraceWindow({ origin_utc: '2026-11-23T07:00:00.000000Z', step_s: 1, from_s: 0, bins: BINS, less_dwell: null, channels: [channel] });
   new TracePlot({ getContext: () => context, clientWidth: WIDTH, clientHeight: 100 }).draw(window, { from_s: 0, to_s: BINS, end: 'now' }, [], [null]);
+  return steps;
+}
+
+const binAt = (x) => Math.floor((x - 8) / 10);
+
+// The instants, in bins, from and to which a line goes across: [[from, to], …].
+function linesAcross(values, breaks) {
+  const lines = [];
+  let at = null;
+  for (const [does, x] of penOf({ min: values, breaks })) {
+    if (does === 'line' && x !== at) lines.push([at, x]);
+    at = x;
+  }
   const border = ([from, to]) => from === 0 && to === WIDTH; // below the trace
-  return lines.filter((line) => !border(line)).map((line) => line.map((x) => Math.floor((x - 8) / 10)));
+  return lines.filter((line) => !border(line)).map((line) => line.map(binAt));
 }
 
 const readings = (...at) => Array.from({ length: BINS }, (_, i) => (at.includes(i) ? i : null));
@@ -40,4 +52,23 @@ test('no line goes to a bin in which readings are missing, and none leaves it', 
   // The channel failed in a bin that had a reading, and delivers again ten bins later: nothing is known in between.
   assert.deepEqual(linesAcross(readings(10, 11, 21, 22), [11]), [[21, 22]]);
   assert.deepEqual(linesAcross(readings(10, 20), [15]), []);
+});
+
+test('a line reaches the least and the greatest reading of every bin, and has no corner on the way from one to the other', () => {
+  let state = 1;
+  const random = () => ((state = (state * 48271) % 2147483647) / 2147483647);
+  const min = Array.from({ length: BINS }, () => random() - 0.9);
+  const max = min.map((low) => low + 0.5 * random());
+  const scale = Math.max(...max, ...min.map((low) => -low)) > 0.5 ? 1 : 0.5;
+  const y = (value) => (100 - 22) / 2 * (1 - value / scale) + 3 * value / scale;
+  const trace = penOf({ min, max }).filter(([, x]) => x % 10 === 3); // in the middle of a bin
+  let before = null;
+  for (let bin = 0, at = 0; bin < BINS; ++bin) {
+    const here = [];
+    for (; at < trace.length && binAt(trace[at][1]) === bin; ++at) here.push(trace[at][2]);
+    const passed = [...(before === null ? [] : [before]), ...here];
+    assert.ok(Math.max(...passed) > y(min[bin]) - 1e-6 && Math.min(...passed) < y(max[bin]) + 1e-6, `bin ${bin}: ${passed}`);
+    assert.ok(passed.length < 3 || (passed[1] - passed[0]) * (passed[2] - passed[1]) < 0, `a needless corner in bin ${bin}: ${passed}`);
+    before = here.at(-1);
+  }
 });
