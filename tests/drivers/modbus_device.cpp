@@ -141,8 +141,8 @@ void ModbusDevice::serve_serial() {
 
 bool ModbusDevice::respond(int descriptor, const Request& request) {
   for (const Reply& reply : script_(request)) {
-    for (auto waited = std::chrono::milliseconds(0); waited < reply.delay && !leaving_;
-         waited += std::chrono::milliseconds(1))
+    const auto due = std::chrono::steady_clock::now() + reply.delay;
+    while (std::chrono::steady_clock::now() < due && !leaving_)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (reply.reset) return false;
     std::vector<std::uint8_t> frame;
