@@ -50,10 +50,8 @@ const char* measured_by(const Channel& channel) {
   return "auxiliary";
 }
 
-// Samples per second; null: it does not deliver, or that is not known to be true now.
-Json rate_of(const ServiceView& view, const ChannelView& channel) {
-  return is_stale(view) ? Json(nullptr) : number(delivered_rate_hz(channel));
-}
+// A figure of a channel that delivers; null: it does not, or that is not known to be true now.
+Json of_now(const ServiceView& view, double delivered) { return is_stale(view) ? Json(nullptr) : number(delivered); }
 
 // As the rig file names it.
 Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
@@ -83,10 +81,10 @@ Json channels_json(const ServiceView& view) {
                     {"reason", reason_of(channel)},
                     {"text", status_text(channel)},
                     {"age_s", number(reading_age_s(channel, view.now_ns))},
-                    {"rate_hz", rate_of(view, channel)},
+                    {"rate_hz", of_now(view, delivered_rate_hz(channel))},
                     {"clock", channel.clock.kind == Clock::device ? "device" : "host"},
                     {"clock_rate_hz", number(channel.clock.rate_hz)},
-                    {"jitter_s", number(channel.clock.jitter_s)},
+                    {"jitter_s", of_now(view, delivered_jitter_s(channel))},
                     {"drift_ppm", number(channel.clock.drift_ppm)},
                     {"lost", channel.clock.lost},
                     {"received", tally.received},
@@ -371,7 +369,7 @@ std::string control_answer(const ServiceView& view, std::string_view line, const
     return done ? dump(Json{{"done", true}}) : control_error(done.error().reason);
   }
   return control_error("unknown verb \"" + name +
-                       "\"; there are status, check, start, stop, rearm, acknowledge, sign and enter");
+                       "\"; there are status, check, start, stop, label, rearm, acknowledge, sign and enter");
 }
 
 }  // namespace dwell

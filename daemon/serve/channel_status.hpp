@@ -35,4 +35,9 @@ namespace dwell {
   return channel.fault == Fault::none ? channel.rate_hz : kNaN;
 }
 
+// Standard deviation of the stamps from the clock recognized in them, s; NaN: none is, or it does not deliver.
+[[nodiscard]] inline double delivered_jitter_s(const ChannelView& channel) noexcept {
+  return channel.fault == Fault::none ? channel.clock.jitter_s : kNaN;
+}
+
 }  // namespace dwell

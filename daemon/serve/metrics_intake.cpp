@@ -24,9 +24,10 @@ void write_channel_states(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_channel_rate_hertz",
             "Samples per second of the channel, over the last second. Absent: it does not deliver.");
   each_channel(now, out, delivered_rate_hz);
-  out.gauge("dwell_channel_jitter_seconds",
-            "Standard deviation of the stamps from the clock recognized in them. Absent: none is.");
-  each_channel(now, out, [](const ChannelView& c) { return c.clock.jitter_s; });
+  out.gauge(
+      "dwell_channel_jitter_seconds",
+      "Standard deviation of the stamps from the clock recognized in them. Absent: none is, or it does not deliver.");
+  each_channel(now, out, delivered_jitter_s);
   out.gauge("dwell_channel_queued_samples", "Samples on their way to the estimation.");
   each_channel(now, out, [](const ChannelView& c) { return count_value(c.tally.queued); });
   out.gauge("dwell_device_up", "1: at least one channel of the device delivers.");

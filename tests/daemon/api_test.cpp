@@ -95,6 +95,13 @@ TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
   EXPECT_EQ(channel["clock"], "host");
   for (const char* key : {"clock_rate_hz", "jitter_s", "drift_ppm"})
     EXPECT_TRUE(channel[key].is_null()) << key << ": not known yet";
+  snapshot.channels[0].rate_hz = 200.0;
+  snapshot.channels[0].clock.jitter_s = 1e-4;
+  for (const auto& [fault, told] : {std::pair(Fault::none, true), std::pair(Fault::timeout, false)}) {
+    snapshot.channels[0].fault = fault;
+    const Json now = get("/api/v1/channels")["channels"][0];
+    for (const char* key : {"rate_hz", "jitter_s"}) EXPECT_EQ(now[key].is_number(), told) << key;
+  }
   EXPECT_EQ(channel["status"], "ok");
   EXPECT_NEAR(channel["age_s"].get<double>(), 0.1, 1e-9);
   EXPECT_EQ(channel["received"].get<int>(),

@@ -74,6 +74,20 @@ TEST_F(Metrics, NoNumberIsToldThatTheEstimationNoLongerRenews) {
   EXPECT_EQ(of("dwell_stiffness_newtons_per_meter", "thread estimate has not turned"), "");
 }
 
+TEST_F(Metrics, OfAChannelThatDoesNotDeliverNeitherRateNorJitterIsTold) {
+  for (ChannelView& channel : snapshot.channels) {
+    channel.rate_hz = 200.0;
+    channel.clock.jitter_s = 1e-4;
+  }
+  const std::string_view y0 = "{channel=\"y0\"}";
+  for (const char* name : {"dwell_channel_rate_hertz", "dwell_channel_jitter_seconds"}) {
+    snapshot.channels[0].fault = Fault::none;
+    EXPECT_NE(of(name).find(y0), std::string::npos) << name;
+    snapshot.channels[0].fault = Fault::timeout;
+    EXPECT_EQ(of(name).find(y0), std::string::npos) << name;
+  }
+}
+
 TEST_F(Metrics, NoStateIsToldThatTheEstimationNoLongerRenews) {
   chain_of(2);
   verify(Verdict::adequate);
