@@ -26,6 +26,11 @@ export function lastText(age_s, window) {
 
 // The distance between two marks of time: at most `count` in the range.
 const markStep = (range, count) => rounded(range / count);
+// So many steps of that distance, with all digits that tell the mark from its neighbours.
+function markText(steps, step) {
+  const decade = (value) => Math.floor(Math.log10(value * (1 + 1e-9)));
+  return `\u2212${plainText(steps * step, 's', decade(steps * step) - decade(step) + 1)}`;
+}
 
 export class TracePlot {
   #canvas;
@@ -97,13 +102,12 @@ export class TracePlot {
     c.textAlign = 'center';
     c.beginPath();
     // Times are told from the right side on, which is now while the traces are live.
-    for (let back = 0; back <= range; back += step) {
-      const x = Math.round(this.#x(view.to_s - back, view)) + 0.5;
+    for (let steps = 0; steps * step <= range; ++steps) {
+      const x = Math.round(this.#x(view.to_s - steps * step, view)) + 0.5;
       c.moveTo(x, 0);
       c.lineTo(x, height - FOOT);
-      const text = back === 0 ? view.end : `\u2212${plainText(back, 's', Math.max(1, Math.ceil(Math.log10(back / step + 1))))}`;
-      c.textAlign = back === 0 ? 'right' : 'center';
-      if (x > 30) c.fillText(text, back === 0 ? x + LEFT : x, height - 6);
+      c.textAlign = steps === 0 ? 'right' : 'center';
+      if (x > 30) c.fillText(steps === 0 ? view.end : markText(steps, step), steps === 0 ? x + LEFT : x, height - 6);
     }
     c.stroke();
   }

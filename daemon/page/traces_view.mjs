@@ -229,7 +229,8 @@ export class TracesView {
 
   // What is in view, from the service: one question at a time.
   async #ask() {
-    if ($('traces').hidden) return;
+    // Without a width nothing is in view: a browser that takes a picture of the whole page makes its window tiny for a moment.
+    if ($('traces').hidden || this.#plot.width < 1) return;
     if (this.#asking) {
       this.#again = true;
       return;

@@ -7,8 +7,9 @@ import { TraceWindow } from '../../daemon/page/trace_window.mjs';
 const WIDTH = 1016; // px: 10 px a bin, 8 px of margin on both sides
 const BINS = 100;
 
-// The steps of the pen for one channel, [what it does, x, y], of which `min` and `max` are the readings of each bin.
-function penOf({ min, max = min, breaks = [] }) {
+// The steps of the pen for one channel, [what it does, x, y], of which `min` and `max` are the readings of each bin. A
+// text has its letters in place of y.
+function penOf({ min, max = min, breaks = [] }, { width = WIDTH, view = { from_s: 0, to_s: BINS, end: 'now' } } = {}) {
   globalThis.document = { documentElement: null };
   globalThis.getComputedStyle = () => ({ getPropertyValue: () => '' });
   globalThis.devicePixelRatio = 1;
@@ -17,13 +18,14 @@ function penOf({ min, max = min, breaks = [] }) {
     get: (_, name) => ({
       moveTo: (x, y) => steps.push(['move', x, y]),
       lineTo: (x, y) => steps.push(['line', x, y]),
+      fillText: (text, x) => steps.push(['text', x, text]),
       measureText: () => ({ width: 0 }),
     }[name] ?? (() => {})),
     set: () => true,
   });
   const channel = { name: 'y0', unit: 'mm', min, max, breaks };
   const window = new TraceWindow({ origin_utc: '2026-11-23T07:00:00.000000Z', step_s: 1, from_s: 0, bins: BINS, less_dwell: null, channels: [channel] });
-  new TracePlot({ getContext: () => context, clientWidth: WIDTH, clientHeight: 100 }).draw(window, { from_s: 0, to_s: BINS, end: 'now' }, [], [null]);
+  new TracePlot({ getContext: () => context, clientWidth: width, clientHeight: 100 }).draw(window, view, [], [null]);
   return steps;
 }
 
@@ -35,7 +37,7 @@ function linesAcross(values, breaks) {
   let at = null;
   for (const [does, x] of penOf({ min: values, breaks })) {
     if (does === 'line' && x !== at) lines.push([at, x]);
-    at = x;
+    if (does !== 'text') at = x;
   }
   const border = ([from, to]) => from === 0 && to === WIDTH; // below the trace
   return lines.filter((line) => !border(line)).map((line) => line.map(binAt));
@@ -61,7 +63,7 @@ test('a line reaches the least and the greatest reading of every bin, and has no
   const max = min.map((low) => low + 0.5 * random());
   const scale = Math.max(...max, ...min.map((low) => -low)) > 0.5 ? 1 : 0.5;
   const y = (value) => (100 - 22) / 2 * (1 - value / scale) + 3 * value / scale;
-  const trace = penOf({ min, max }).filter(([, x]) => x % 10 === 3); // in the middle of a bin
+  const trace = penOf({ min, max }).filter(([does, x]) => does !== 'text' && x % 10 === 3); // in the middle of a bin
   let before = null;
   for (let bin = 0, at = 0; bin < BINS; ++bin) {
     const here = [];
@@ -71,4 +73,20 @@ test('a line reaches the least and the greatest reading of every bin, and has no
     assert.ok(passed.length < 3 || (passed[1] - passed[0]) * (passed[2] - passed[1]) < 0, `a needless corner in bin ${bin}: ${passed}`);
     before = here.at(-1);
   }
+});
+
+// The marks of time read 10 s at 12 s, and 2 s at 1.5 s.
+test('a mark of time tells its own instant, in every view and at every width', () => {
+  const unit = { s: 1, ms: 1e-3, '\u00b5s': 1e-6, ks: 1e3 };
+  for (const width of [200, 360, 700, 1408, 2528, 3840])
+    for (const span of [0.02, 0.3, 0.687, 1.25, 2.5, 5, 10, 20, 40, 60, 150, 160, 600, 7200]) {
+      const view = { from_s: 100, to_s: 100 + span, end: 'now' };
+      const marks = penOf({ min: readings() }, { width, view }).filter(([does, , text]) => does === 'text' && /^\u2212/.test(text));
+      for (const [, x, text] of marks) {
+        const [, value, prefix] = text.match(/^\u2212([\d.\u202f ]+) (\S+)$/) ?? assert.fail(text);
+        const told = Number(value.replace(/[\u202f ]/g, '')) * (unit[prefix] ?? assert.fail(text));
+        const at = span * (1 - (x - 8) / (width - 16));
+        assert.ok(Math.abs(told - at) <= 1.01 * span / (width - 16), `"${text}" stands at ${at} s, of ${span} s on ${width} px`);
+      }
+    }
 });

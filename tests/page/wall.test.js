@@ -104,6 +104,28 @@ test('a stuck transducer pushes no element of a usual rig off a wall display', a
   await shown.close();
 });
 
+// Units ran under the next symbol at 1024 × 600, and three numbers lay on top of each other at 480 × 1200.
+test('in a small or narrow window no number of a wall display lies on another one', async () => {
+  const stuck = 'y1 is stuck: its reading has not changed for 2.4 s, 480 readings, while the others move';
+  const dwell = measured(4, warningOf([{ kind: 'stuck', text: stuck, channels: ['y1'] }]));
+  dwell.elements = dwell.elements.map((element) => (element.k > 2 ? element : withheld(element.k, `${stuck}; what depends on it is withheld`)));
+  const shown = await open(dwell);
+  const { page } = shown;
+  const faults = () => page.evaluate(() => {
+    const cells = [...document.querySelectorAll('.element:not(.withheld) .coefficient')];
+    const boxes = cells.flatMap((cell) => [...cell.querySelectorAll('.symbol, .value, .pm, .unit')].flatMap((part) => [...part.getClientRects()].map((box) => ({ cell, part, box }))));
+    const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    const over = boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => a.cell !== b.cell && meet(a.box, b.box)).map((b) => `${a.part.innerText} on ${b.part.innerText}`));
+    const card = document.querySelector('#coefficients').getBoundingClientRect();
+    return [...over, ...boxes.filter(({ box }) => box.right > card.right).map(({ part }) => `${part.innerText} is cut off`)];
+  });
+  for (const [width, height] of [[1024, 600], [800, 600], [480, 1200], [360, 640]]) {
+    await page.setViewportSize({ width, height });
+    await until(async () => (await faults()).length === 0).catch(async () => assert.fail(`${width} × ${height}: ${await faults()}`));
+  }
+  await shown.close();
+});
+
 // The second alarm was readable nowhere: the head has the first one, and the list is below the screen.
 test('alarms that find no room on a wall display are named at its foot, and no text of the head ends without a mark', async () => {
   const shown = await open(measured(4));
