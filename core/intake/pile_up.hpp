@@ -1,9 +1,12 @@
 // Finds out whether a channel is clipped: then its readings pile up at an extreme (crest.hpp).
 //
-// A channel is judged twice: over the whole hold, where weak evidence adds up, and over its newest stretch. If clipping
-// begins amid a hold, the crests before are higher, so only the stretch shows it. A stretch is judged every 16 periods
-// and ends with a finding, or at 10 000 readings. The w-th judgement needs ln(w² π²/6) more proof: all of them together
-// have the false-alarm rate of one.
+// A channel is judged over the whole hold, where weak evidence adds up, and over its newest stretches. If clipping
+// begins amid a hold, the crests before are higher, so only a stretch that began later shows it. Stretches of 48, 192,
+// 768 and 3072 periods run beside each other, each of which ends where the next of its length begins. So wherever
+// clipping begins, a stretch that is long enough to show it begins within 48 periods, or within four times as long.
+//
+// All stretches are judged every 16 periods. The w-th judgement of k stretches needs ln(w² π²/6) + ln(k) more proof:
+// all of them together have the false-alarm rate of one. After a finding all begin anew.
 //
 // Readings once cut off count as cut off until the restart. A larger range afterwards does not repair them.
 //
@@ -36,14 +39,13 @@ class PileUp {
     if (!amid_) {
       for (End* end : {&upper_, &lower_}) {
         const double sign = end == &upper_ ? 1.0 : -1.0;
-        if (sign * reading > end->of_hold.top()) end->pass(now(*end, noise()), end->of_hold.top(), seen_);
+        if (sign * reading > end->of_hold.top()) end->pass({now(*end, noise()), end->of_hold.top(), seen_});
         end->of_hold.add(sign * reading, sign * before, difference);
-        end->of_stretch.add(sign * reading, sign * before, difference);
+        for (Crest& crest : end->of_stretches) crest.add(sign * reading, sign * before, difference);
       }
       find_amid();
     }
     ++seen_;
-    ++seen_lately_;
   }
   // A reading between these changes no crest.
   [[nodiscard]] double amid_above() const noexcept { return low_; }
@@ -52,38 +54,28 @@ class PileUp {
   void add_amid(std::size_t readings) noexcept {
     amid_ = true;
     seen_ += static_cast<std::int64_t>(readings);
-    seen_lately_ += static_cast<std::int64_t>(readings);
   }
   // The newest reading makes a run of identical ones longer than a crest explains. Called once per run, after its
   // add().
   void stuck() noexcept {
     ++stuck_;
-    ++stuck_lately_;
     if (amid_) return;
     for (End* end : {&upper_, &lower_}) {
       end->of_hold.stuck();
-      end->of_stretch.stuck();
+      for (Crest& crest : end->of_stretches) crest.stuck();
     }
   }
   // A period of the drive is over.
   void next_period(const Noise& noise) noexcept {
     if (++periods_ % kPeriods != 0) return;
-    const double w = static_cast<double>(periods_ / kPeriods);
-    const double more = std::log(w * w * std::numbers::pi * std::numbers::pi / 6);
-    const std::int64_t elsewhere = stuck_lately_ - upper_.of_stretch.runs_at_top() - lower_.of_stretch.runs_at_top();
+    const std::int64_t judgement = periods_ / kPeriods;
+    const auto w = static_cast<double>(judgement);
+    const double more =
+        std::log(w * w * std::numbers::pi * std::numbers::pi / 6 * static_cast<double>(kStretchLengths));
     bool found = false;
-    for (End* end : {&upper_, &lower_}) {
-      // Where the hold's own end is reached, the hold's count has these readings.
-      const double top = end->of_stretch.top();
-      const std::int64_t cut_off = top < end->of_hold.top() && moves(noise)
-                                       ? end->of_stretch.cut_off(noise, elsewhere, end->proof_of_stretch(more))
-                                       : 0;
-      end->pass(cut_off, top, seen_lately_);
-      found |= cut_off > 0;
-    }
-    if (!found && seen_lately_ < kStretch) return;
-    upper_.of_stretch = lower_.of_stretch = {};
-    seen_lately_ = stuck_lately_ = 0;
+    for (End* end : {&upper_, &lower_}) found |= end->pass(longest_cut_off(*end, noise, more));
+    for (std::size_t s = 0; s < kStretchLengths; ++s)
+      if (found || judgement % judgements(s) == 0) begin_stretch(s);
     find_amid();
   }
 
@@ -115,25 +107,38 @@ class PileUp {
     const std::int64_t upper = now(upper_, noise), lower = now(lower_, noise);
     upper_ = upper_.of_next_hold(upper);
     lower_ = lower_.of_next_hold(lower);
-    seen_ = seen_lately_ = stuck_ = stuck_lately_ = periods_ = 0;
+    seen_ = stuck_ = periods_ = 0;
+    begun_ = {};
     find_amid();
   }
 
  private:
   // A crest cut off at 0.8 shows within so many periods of ten readings: a fifth of them is at each end.
   static constexpr std::int64_t kPeriods = 16;
-  // With so many readings one cut off at 0.95 shows where rounding of 10⁻³ hides the noise: 1000 are at each end, 24 at
-  // the commonest number below, and 1024 (x ln(x/p) + (1-x) ln((1-x)/(1-p))) = 39 with p = 10/11. After a day at 4 Hz
-  // 34 is asked for.
-  static constexpr std::int64_t kStretch = 10'000;
+  // Lengths of stretches. In the longest, 10 000 readings at three a period, one cut off at 0.95 shows where rounding
+  // of 10⁻³ hides the noise: 1000 are at each end, 24 at the commonest number below, and 1024 (x ln(x/p) + (1-x)
+  // ln((1-x)/(1-p))) = 39 with p = 10/11. After a day at 4 Hz 36 is asked for. Longer ones as well: weaker evidence
+  // would show, after hours. Shorter ones as well: readings count one by one until most of them lie amid, some hundred
+  // in each stretch; in stretches of 16 periods that is a fourth of all.
+  static constexpr std::size_t kStretchLengths = 4;
+  [[nodiscard]] static constexpr std::int64_t judgements(std::size_t length) noexcept {
+    return std::int64_t{3} << (2 * length);
+  }
   // -ln 10⁻³: the end is known, so only chance within this stretch is to be excluded. Smaller: two readings at an old
   // end withhold a sound hold. Larger: an end that comes back shows later.
   static constexpr double kAtFoundEnd = 6.9;
   // Steps of rounding between the lowest and the highest reading of a motion. An end cut off by less than five steps is
   // not found anyway.
   static constexpr double kMoves = 10.0;
+  // Of `seen` readings so many are cut off at an end; 0: none.
+  struct CutOff {
+    std::int64_t readings = 0;
+    double at = 0.0;
+    std::int64_t seen = 0;
+  };
   struct End {
-    Crest of_hold, of_stretch;
+    Crest of_hold;
+    std::array<Crest, kStretchLengths> of_stretches;
     double known = INFINITY;  // the end of the transducer's range, found before
     std::int64_t passed = 0;  // readings cut off below the hold's largest
     double passed_at = 0.0;   // the newest end at which they were
@@ -144,21 +149,27 @@ class PileUp {
       return of_hold.cut_off(noise, elsewhere, of_hold.top() == known ? Crest::kNone : Crest::kProof);
     }
     // A few readings at an end found before may be chance: less proof is asked for there, but some.
-    [[nodiscard]] Crest::Proof proof_of_stretch(double more) const noexcept {
-      const double top = of_stretch.top();
+    [[nodiscard]] Crest::Proof proof_at(double top, double more) const noexcept {
       const bool found = top == known || (passed > 0 && top == passed_at);
       return {(found ? kAtFoundEnd : Crest::kProof.unlikely) + more, Crest::kProof.unlikely_runs + more};
     }
-    // `readings` of `seen` were cut off at an end that others went beyond.
-    void pass(std::int64_t readings, double at, std::int64_t seen) noexcept {
-      if (readings == 0) return;
-      passed += readings;
-      passed_at = at;
-      lost += lost_of(readings, seen);
+    // They were cut off at an end that others went beyond. Whether there were any.
+    bool pass(const CutOff& cut_off) noexcept {
+      if (cut_off.readings == 0) return false;
+      passed += cut_off.readings;
+      passed_at = cut_off.at;
+      lost += lost_of(cut_off.readings, cut_off.seen);
+      return true;
     }
     // The newest end at which readings were cut off, `now_cut_off` of them at the hold's largest.
     [[nodiscard]] double at(std::int64_t now_cut_off) const noexcept {
       return passed > 0 && now_cut_off == 0 ? passed_at : of_hold.top();
+    }
+    // Smaller readings change none of the crests.
+    [[nodiscard]] double least() const noexcept {
+      double least = of_hold.least();
+      for (const Crest& crest : of_stretches) least = std::min(least, crest.least());
+      return least;
     }
     [[nodiscard]] End of_next_hold(std::int64_t now_cut_off) const noexcept {
       End next;
@@ -166,11 +177,29 @@ class PileUp {
       return next;
     }
   };
+  // What the stretches show; where several do, the one with the most readings that are cut off.
+  [[nodiscard]] CutOff longest_cut_off(const End& end, const Noise& noise, double more) const noexcept {
+    CutOff most;
+    if (!moves(noise)) return most;
+    for (std::size_t s = 0; s < kStretchLengths; ++s) {
+      const double top = end.of_stretches[s].top();
+      if (!(top < end.of_hold.top())) continue;  // the hold's count has these readings
+      const std::int64_t elsewhere =
+          stuck_ - begun_[s].stuck - upper_.of_stretches[s].runs_at_top() - lower_.of_stretches[s].runs_at_top();
+      const std::int64_t cut_off = end.of_stretches[s].cut_off(noise, elsewhere, end.proof_at(top, more));
+      if (cut_off > most.readings) most = {cut_off, top, seen_ - begun_[s].seen};
+    }
+    return most;
+  }
+  void begin_stretch(std::size_t s) noexcept {
+    upper_.of_stretches[s] = lower_.of_stretches[s] = {};
+    begun_[s] = {seen_, stuck_};
+  }
   // Computes low_ and high_ anew: after each change of a crest. A reading between them changes no crest. Most readings
   // are such, and cost two comparisons only.
   void find_amid() noexcept {
-    high_ = std::min(upper_.of_hold.least(), upper_.of_stretch.least());
-    low_ = -std::min(lower_.of_hold.least(), lower_.of_stretch.least());
+    high_ = upper_.least();
+    low_ = -lower_.least();
   }
   [[nodiscard]] bool moves(const Noise& noise) const noexcept {
     return upper_.of_hold.top() + lower_.of_hold.top() >= kMoves * noise.step;
@@ -188,12 +217,18 @@ class PileUp {
     return stuck_ - upper_.of_hold.runs_at_top() - lower_.of_hold.runs_at_top();
   }
 
+  // Where a stretch begins in the hold.
+  struct Beginning {
+    std::int64_t seen = 0, stuck = 0;
+  };
+
   End upper_, lower_;
-  double low_ = INFINITY, high_ = -INFINITY;   // see find_amid()
-  bool amid_ = false;                          // the newest reading lies between these
-  std::int64_t seen_ = 0, seen_lately_ = 0;    // readings: of the hold, of the stretch
-  std::int64_t stuck_ = 0, stuck_lately_ = 0;  // long runs: of the hold, of the stretch
-  std::int64_t periods_ = 0;                   // of the hold
+  double low_ = INFINITY, high_ = -INFINITY;  // see find_amid()
+  bool amid_ = false;                         // the newest reading lies between these
+  std::int64_t seen_ = 0;                     // readings of the hold
+  std::int64_t stuck_ = 0;                    // long runs of the hold
+  std::int64_t periods_ = 0;                  // of the hold
+  std::array<Beginning, kStretchLengths> begun_{};
 };
 
 }  // namespace dwell

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -194,7 +195,7 @@ double lost_fundamental(double end) {
   return sum;
 }
 
-TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
+TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundAndWhatItCostsIsKnown) {
   // With 40.3 readings a period there are 403 phases. Rounding without noise leaves few numbers beside an end of 0.95
   // then, as harmonics might, and it is not found; with 40.37 it is.
   for (const NoisyMotion& wide : {NoisyMotion{1e-3}, NoisyMotion{1e-4, 1e-3, INFINITY, 40.37}, NoisyMotion{0.01, 1e-6}})
@@ -204,17 +205,73 @@ TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
       PileUp pile_up;
       play(pile_up, wide, 1000.0, 1);
       EXPECT_EQ(pile_up.above(seen(wide)), 0);
-      play(pile_up, narrow, 512.0, 2);  // two stretches, each of 16 times 16 periods
+      play(pile_up, narrow, 512.0, 2);
       EXPECT_GT(pile_up.above(seen(narrow)), 0) << "cut off at " << end;
       EXPECT_EQ(pile_up.upper_end(seen(narrow)), end);
       EXPECT_EQ(pile_up.below(seen(narrow)), 0);
       // Half of all readings were cut off, so the fundamental loses half of what it would lose if all were. What the
-      // first stretch after the change missed is not in it.
+      // stretches missed in which the change lies is not in it.
       const double half = 0.5 * lost_fundamental(end);
       play(pile_up, narrow, 488.0, 3);
       EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half) << end;  // noise puts 5 % more readings at the end
       EXPECT_GT(pile_up.loss(seen(narrow)), 0.7 * half) << end;   // at most 280 of the 1000 periods are missing
     }
+}
+
+// How many periods of a motion it takes until readings are found cut off.
+double periods_to_find(PileUp& pile_up, const NoisyMotion& narrow, std::uint64_t seed) {
+  double periods = 0.0;
+  while (pile_up.above(seen(narrow)) == 0 && periods < 10'000) {
+    play(pile_up, narrow, 16.0, ++seed);
+    periods += 16;
+  }
+  return periods;
+}
+
+// Whatever the rate: a stretch of a fixed number of readings lasts for minutes where a period has few of them.
+TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinEightTimesWhatItTakesFromTheBeginning) {
+  std::uint64_t seed = 0;
+  for (const double readings : {5.03, 10.3, 40.37, 200.3})
+    for (const double noise : {1e-3, 0.01})
+      for (const double end : {0.3, 0.8, 0.95})
+        for (const double before : {100.0, 1000.0, 5000.0}) {
+          const NoisyMotion wide{noise, 1e-3, INFINITY, readings}, narrow{noise, 1e-3, end, readings};
+          PileUp fresh, later;
+          const double alone = periods_to_find(fresh, narrow, 1000 * ++seed);
+          play(later, wide, before, seed);
+          ASSERT_EQ(later.above(seen(wide)), 0);
+          EXPECT_LE(periods_to_find(later, narrow, 1000 * seed), 8 * alone)
+              << readings << " readings a period, noise " << noise << ", end " << end << ", after " << before;
+        }
+}
+
+// Neither is an amplitude that swings slowly: its lower crests are no ends.
+TEST(PileUp, OfAMotionWhoseAmplitudeSwingsThereIsNone) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto between = [&random](double a, double b) {
+      return std::exp(std::uniform_real_distribution(std::log(a), std::log(b))(random));
+    };
+    const double readings = between(4.0, 200.0), depth = between(1e-4, 0.1), swing = between(5.0, 3000.0);
+    const double step = std::array{0.0, 1e-4, 1e-3, 0.01}[seed % 4];
+    const double noise = seed % 3 == 0 ? step * between(0.1, 1.5) : between(1e-5, 0.03);
+    std::normal_distribution<double> normal;
+    const PileUp::Noise known{std::hypot(noise, step / std::sqrt(12.0)), step};
+    PileUp pile_up;
+    double before = 0.0;
+    for (int i = 0; i < 50'000; ++i) {
+      const double at = 2 * M_PI * i / readings;
+      double reading = (1 + depth * std::sin(at / swing)) * std::sin(at) + noise * normal(random);
+      if (step > 0) reading = step * std::nearbyint(reading / step);
+      pile_up.add(
+          reading, before, [&] { return 4 / readings; }, [&] { return known; });
+      before = reading;
+      if (std::floor((i + 1) / readings) > std::floor(i / readings)) pile_up.next_period(known);
+    }
+    EXPECT_EQ(pile_up.above(known) + pile_up.below(known), 0)
+        << readings << " readings a period, noise " << noise << ", step " << step << ", depth " << depth << ", swing "
+        << swing;
+  }
 }
 
 // A day at 1 Hz: chance gets no more occasions, however long the hold.
