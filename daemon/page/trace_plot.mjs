@@ -26,7 +26,7 @@ export function lastText(age_s, window) {
 
 // The distance between two marks of time: at most `count` in the range.
 const markStep = (range, count) => rounded(range / count);
-// So many steps of that distance, with all digits that tell the mark from its neighbours.
+// So many steps of that distance, with the digits that tell the mark from its neighbours.
 function markText(steps, step) {
   const decade = (value) => Math.floor(Math.log10(value * (1 + 1e-9)));
   return `\u2212${plainText(steps * step, 's', decade(steps * step) - decade(step) + 1)}`;
@@ -36,13 +36,13 @@ export class TracePlot {
   #canvas;
   #context;
   #style;
-  #wide = 0; // px, of the picture that is being drawn: asking the canvas again and again costs a layout each time
+  #wide = 0; // px, of the picture that is being drawn: each question for clientWidth may cost a layout
   #short = { of: null, width: 0, names: [] }; // measured once for each set of names and width
 
   constructor(canvas) {
     this.#canvas = canvas;
-    // desynchronized: a picture does not pass through the page's own layers, which takes a seventh off all that the page
-    // costs (tests/page/load.test.js) and is seen by nobody: the traces move by themselves.
+    // desynchronized: the canvas skips the page's own layers. That saves a seventh of the page's time (two pages side by
+    // side, one with it and one without, on the scene of tests/page/load.test.js).
     this.#context = canvas.getContext('2d', { alpha: false, desynchronized: true });
     const style = getComputedStyle(document.documentElement);
     this.#style = Object.fromEntries(['sheet', 'line', 'ink', 'faint', 'old'].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
@@ -102,7 +102,7 @@ export class TracePlot {
     c.textAlign = 'center';
     c.beginPath();
     // Times are told from the right side on, which is now while the traces are live.
-    for (let steps = 0; steps * step <= range; ++steps) {
+    for (let steps = 0; steps * step <= range * (1 + 1e-9); ++steps) {
       const x = Math.round(this.#x(view.to_s - steps * step, view)) + 0.5;
       c.moveTo(x, 0);
       c.lineTo(x, height - FOOT);
@@ -156,8 +156,7 @@ export class TracePlot {
         if (low !== low) continue; // no reading came: a slow channel's line goes on
         const x = start + i * perBin;
         const [bottom, peak] = [middle - (low - scale.middle) * perUnit, middle - (window.high(channel, i) - scale.middle) * perUnit];
-        // Up and down within the bin, beginning at the end that is nearer. Where the line passes that end on its way to the
-        // other one, it needs no corner there.
+        // Up and down within the bin, beginning at the end that is nearer. No corner there if the line crosses it anyway.
         const down = Math.abs(bottom - last) < Math.abs(peak - last);
         const [one, other] = down ? [bottom, peak] : [peak, bottom];
         if (!joined) c.moveTo(x, one === other ? one - 0.5 : one);

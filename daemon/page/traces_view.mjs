@@ -229,8 +229,12 @@ export class TracesView {
 
   // What is in view, from the service: one question at a time.
   async #ask() {
-    // Without a width nothing is in view: a browser that takes a picture of the whole page makes its window tiny for a moment.
-    if ($('traces').hidden || this.#plot.width < 1) return;
+    if ($('traces').hidden) return;
+    // The width is 0 for a moment while a browser takes a picture of the whole page. It asks when the width is back.
+    if (this.#plot.width < 1) {
+      this.#askedWidth = 0;
+      return;
+    }
     if (this.#asking) {
       this.#again = true;
       return;
