@@ -2,11 +2,11 @@
 //
 // A channel is judged over the whole hold, where weak evidence adds up, and over its newest stretches. If clipping
 // begins amid a hold, the crests before are higher, so only a stretch that began later shows it. Stretches of 48, 192,
-// 768 and 3072 periods run beside each other, each of which ends where the next of its length begins. So wherever
-// clipping begins, a stretch that is long enough to show it begins within 48 periods, or within four times as long.
+// 768 and 3072 periods run beside each other; each length repeats without gaps. If N periods of clipping are proof
+// enough, a stretch of at least N periods begins within 48 or 4 N periods (N up to 3072).
 //
-// All stretches are judged every 16 periods. The w-th judgement of k stretches needs ln(w² π²/6) + ln(k) more proof:
-// all of them together have the false-alarm rate of one. After a finding all begin anew.
+// All stretches are judged every 16 periods. Judgement w asks for ln(w² π²/6) more proof, and k stretches for ln k
+// more: so all of them together have the false-alarm rate of one. After a finding at either end all begin anew.
 //
 // Readings once cut off count as cut off until the restart. A larger range afterwards does not repair them.
 //
@@ -73,9 +73,9 @@ class PileUp {
     const double more =
         std::log(w * w * std::numbers::pi * std::numbers::pi / 6 * static_cast<double>(kStretchLengths));
     bool found = false;
-    for (End* end : {&upper_, &lower_}) found |= end->pass(longest_cut_off(*end, noise, more));
+    for (End* end : {&upper_, &lower_}) found |= end->pass(most_cut_off(*end, noise, more));
     for (std::size_t s = 0; s < kStretchLengths; ++s)
-      if (found || judgement % judgements(s) == 0) begin_stretch(s);
+      if (found || judgement % judgements_of(s) == 0) begin_stretch(s);
     find_amid();
   }
 
@@ -115,14 +115,14 @@ class PileUp {
  private:
   // A crest cut off at 0.8 shows within so many periods of ten readings: a fifth of them is at each end.
   static constexpr std::int64_t kPeriods = 16;
-  // Lengths of stretches. In the longest, 10 000 readings at three a period, one cut off at 0.95 shows where rounding
-  // of 10⁻³ hides the noise: 1000 are at each end, 24 at the commonest number below, and 1024 (x ln(x/p) + (1-x)
-  // ln((1-x)/(1-p))) = 39 with p = 10/11. After a day at 4 Hz 36 is asked for. Longer ones as well: weaker evidence
-  // would show, after hours. Shorter ones as well: readings count one by one until most of them lie amid, some hundred
-  // in each stretch; in stretches of 16 periods that is a fourth of all.
+  // In a stretch of 10 000 readings, 3072 periods of three, a crest cut off at 0.95 shows where rounding of 10⁻³ hides
+  // the noise: 1000 are at each end, 24 at the commonest number below, and 1024 (x ln(x/p) + (1-x) ln((1-x)/(1-p))) =
+  // 39 with p = 10/11. After a day at 4 Hz 36 is asked for. A length more would find weaker clipping, after hours. A
+  // shorter one would cost time: about the first hundred readings of a stretch are counted one by one, before most lie
+  // amid.
   static constexpr std::size_t kStretchLengths = 4;
-  [[nodiscard]] static constexpr std::int64_t judgements(std::size_t length) noexcept {
-    return std::int64_t{3} << (2 * length);
+  [[nodiscard]] static constexpr std::int64_t judgements_of(std::size_t stretch) noexcept {
+    return std::int64_t{3} << (2 * stretch);
   }
   // -ln 10⁻³: the end is known, so only chance within this stretch is to be excluded. Smaller: two readings at an old
   // end withhold a sound hold. Larger: an end that comes back shows later.
@@ -130,7 +130,7 @@ class PileUp {
   // Steps of rounding between the lowest and the highest reading of a motion. An end cut off by less than five steps is
   // not found anyway.
   static constexpr double kMoves = 10.0;
-  // Of `seen` readings so many are cut off at an end; 0: none.
+  // `readings` of `seen` are cut off at `at`; 0: none.
   struct CutOff {
     std::int64_t readings = 0;
     double at = 0.0;
@@ -153,7 +153,7 @@ class PileUp {
       const bool found = top == known || (passed > 0 && top == passed_at);
       return {(found ? kAtFoundEnd : Crest::kProof.unlikely) + more, Crest::kProof.unlikely_runs + more};
     }
-    // They were cut off at an end that others went beyond. Whether there were any.
+    // Adds readings cut off at an end that others went beyond. false: there are none.
     bool pass(const CutOff& cut_off) noexcept {
       if (cut_off.readings == 0) return false;
       passed += cut_off.readings;
@@ -178,7 +178,7 @@ class PileUp {
     }
   };
   // What the stretches show; where several do, the one with the most readings that are cut off.
-  [[nodiscard]] CutOff longest_cut_off(const End& end, const Noise& noise, double more) const noexcept {
+  [[nodiscard]] CutOff most_cut_off(const End& end, const Noise& noise, double more) const noexcept {
     CutOff most;
     if (!moves(noise)) return most;
     for (std::size_t s = 0; s < kStretchLengths; ++s) {

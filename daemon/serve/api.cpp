@@ -51,7 +51,7 @@ const char* measured_by(const Channel& channel) {
 }
 
 // A figure of a channel that delivers; null: it does not, or that is not known to be true now.
-Json of_now(const ServiceView& view, double delivered) { return is_stale(view) ? Json(nullptr) : number(delivered); }
+Json unless_stale(const ServiceView& view, double figure) { return is_stale(view) ? Json(nullptr) : number(figure); }
 
 // As the rig file names it.
 Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
@@ -81,10 +81,10 @@ Json channels_json(const ServiceView& view) {
                     {"reason", reason_of(channel)},
                     {"text", status_text(channel)},
                     {"age_s", number(reading_age_s(channel, view.now_ns))},
-                    {"rate_hz", of_now(view, delivered_rate_hz(channel))},
+                    {"rate_hz", unless_stale(view, delivered_rate_hz(channel))},
                     {"clock", channel.clock.kind == Clock::device ? "device" : "host"},
                     {"clock_rate_hz", number(channel.clock.rate_hz)},
-                    {"jitter_s", of_now(view, delivered_jitter_s(channel))},
+                    {"jitter_s", unless_stale(view, delivered_jitter_s(channel))},
                     {"drift_ppm", number(channel.clock.drift_ppm)},
                     {"lost", channel.clock.lost},
                     {"received", tally.received},
@@ -306,7 +306,7 @@ std::string check_answer(const ServiceView& view) {
          {"device", device < 0 ? Json(nullptr) : Json(view.rig.devices[static_cast<std::size_t>(device)].name)},
          {"value", number(channel.value)},
          {"unit", view.rig.channels[i].unit},
-         {"rate_hz", rate_of(view, channel)},
+         {"rate_hz", unless_stale(view, delivered_rate_hz(channel))},
          // The instant is known to half the device's turnaround.
          {"latency_s", channel.heard_ns < 0 ? Json(nullptr) : number(2.0 * channel.half_width_s)},
          {"age_s", number(reading_age_s(channel, view.now_ns))},

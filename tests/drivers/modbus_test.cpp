@@ -92,14 +92,14 @@ TEST(ModbusPlugin, NeverTakesALateAnswerForTheCurrentOneOverTcp) {
   EXPECT_GE(host.counted(DWELL_FAULT_TIMEOUT), 9);
 }
 
-// Request n is answered with the value n. Where the driver itself is held up, it may find an answer that was to come
-// late beside the end of its timeout, and take it; then the answer is that of the current request all the same.
+// Request n is answered with the value n. If the driver is delayed, a late answer may be waiting when its timeout ends.
+// It may take that, for it answers the current request; but not once the next request was sent.
 TEST(ModbusPlugin, NeverTakesALateAnswerForTheCurrentOneOverSerial) {
   std::mutex mutex;
   std::vector<std::int64_t> came_ns;  // the requests
   ModbusDevice device(ModbusDevice::Over::serial, [&](const Request& request) -> std::vector<Reply> {
     const std::lock_guard lock(mutex);
-    came_ns.push_back(driver::monotonic_ns());
+    came_ns.push_back(driver::raw_ns());
     Reply reply = answer(request, [&](unsigned) { return static_cast<std::uint16_t>(request.number); });
     if (request.number % 3 == 0) reply.delay = 150ms;  // later than the timeout, earlier than the line's silence ends
     return {reply};
@@ -114,9 +114,10 @@ TEST(ModbusPlugin, NeverTakesALateAnswerForTheCurrentOneOverSerial) {
   instance.stop();
   for (const dwell_sample& sample : host.samples()) {
     const std::lock_guard lock(mutex);
-    const std::int64_t request_ns = came_ns.at(static_cast<std::size_t>(std::lround(sample.raw)));
-    EXPECT_GE(request_ns, sample.t_ns - sample.t_half_ns) << "request " << sample.raw << " is of before";
-    EXPECT_LE(request_ns, sample.t_ns + sample.t_half_ns) << "request " << sample.raw;
+    const auto next = static_cast<std::size_t>(std::lround(sample.raw)) + 1;
+    if (next < came_ns.size()) {
+      EXPECT_LT(sample.t_ns + sample.t_half_ns, came_ns[next]) << "request " << sample.raw;
+    }
   }
 }
 
