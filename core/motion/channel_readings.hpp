@@ -1,4 +1,4 @@
-// The readings of a motion by channel, and what is left of them without some.
+// Groups the readings of a motion by channel, and leaves readings out.
 #pragma once
 
 #include <cstddef>

@@ -50,7 +50,7 @@ const char* measured_by(const Channel& channel) {
   return "auxiliary";
 }
 
-// A figure of a channel that delivers; null: it does not, or that is not known to be true now.
+// null: the figure is NaN, or the estimate is stale, so that nobody knows whether it is still true.
 Json unless_stale(const ServiceView& view, double figure) { return is_stale(view) ? Json(nullptr) : number(figure); }
 
 // As the rig file names it.

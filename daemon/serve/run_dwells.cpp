@@ -112,7 +112,7 @@ Result<void> take_objection(const record::Entry& entry, Verdicts& models) {
   return {};
 }
 
-// When reading a file must have ended.
+// The time limit for reading one file.
 struct Deadline {
   std::chrono::seconds after;
   SteadyClock::time_point at = SteadyClock::now() + after;
@@ -247,7 +247,7 @@ class RunDwells::Reading {
   std::deque<StoredRun> runs_;          // the newest last
 };
 
-RunDwells::RunDwells(std::chrono::seconds reading) : reading_(std::make_shared<Reading>(reading)) {}
+RunDwells::RunDwells(std::chrono::seconds at_most) : reading_(std::make_shared<Reading>(at_most)) {}
 
 bool RunDwells::is_asked(std::string_view path) {
   return path.starts_with(kRunFiles) && path.substr(kRunFiles.size()).find('/') != std::string_view::npos;

@@ -30,7 +30,8 @@ class RunDwells {
   // disk. Longer: one hostile file keeps others waiting for longer.
   static constexpr std::chrono::seconds kReading{60};
 
-  explicit RunDwells(std::chrono::seconds reading = kReading);
+  // at_most: for reading one file.
+  explicit RunDwells(std::chrono::seconds at_most = kReading);
 
   // Whether the path is one of the two.
   [[nodiscard]] static bool is_asked(std::string_view path);

@@ -122,7 +122,7 @@ TEST_F(HttpFilesTest, WhoDoesNotReadADownloadLosesItsPlace) {
   Client slow = Client::tcp(port, 4096);
   slow.send(ask_for_file("a.dwell"));
   slow.until("\r\n\r\n");
-  // 503 while the slow one has its place; 0: this client itself was too slow and was closed.
+  // 503: the slow client still has its place. 0: this client was too slow itself and was closed.
   int status = 503;
   for (int tries = 0; tries < 100'000 && (status == 503 || status == 0); ++tries) {
     Client client = Client::tcp(port);

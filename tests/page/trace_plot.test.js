@@ -7,8 +7,8 @@ import { TraceWindow } from '../../daemon/page/trace_window.mjs';
 const WIDTH = 1016; // px: 10 px a bin, 8 px of margin on both sides
 const BINS = 100;
 
-// The steps of the pen for one channel, [what it does, x, y], of which `min` and `max` are the readings of each bin. A
-// text has its letters in place of y.
+// Draws one channel, whose bins reach from min[i] to max[i]. Returns what was drawn, in order: ['move', x, y],
+// ['line', x, y] or ['text', x, letters].
 function penOf({ min, max = min, breaks = [] }, { width = WIDTH, view = { from_s: 0, to_s: BINS, end: 'now' } } = {}) {
   globalThis.document = { documentElement: null };
   globalThis.getComputedStyle = () => ({ getPropertyValue: () => '' });
