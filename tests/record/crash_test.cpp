@@ -93,10 +93,13 @@ int kills() { return asked_for("DWELL_KILLS", 20); }
 TEST(Crash, AKilledServiceLeavesEverythingOlderThanTwoSecondsInAFileThatAuditsAsOpen) {
   const Scratch scratch;
   std::mt19937 random(std::random_device{}());
-  int excused = 0, recorded = 0;
+  int excused = 0, recorded = 0, made = 0;
   std::int64_t worst_ns = 0, worst_without_ns = 0;
   std::string before;
-  for (int kill_number = 1; kill_number <= kills(); ++kill_number) {
+  // On a busy machine many are killed before they have a file: then more are, until enough had one.
+  const auto enough = [&] { return made >= kills() && (recorded >= kills() / 2 || made >= 10 * kills()); };
+  while (!enough()) {
+    const int kill_number = ++made;
     const SharedWords words;
     const pid_t child = fork();
     if (child == 0) record_until_killed(scratch.path(), *words);
@@ -128,8 +131,8 @@ TEST(Crash, AKilledServiceLeavesEverythingOlderThanTwoSecondsInAFileThatAuditsAs
     worst_ns = std::max(worst_ns, lost_ns);
     ++recorded;
   }
-  std::printf("%d kills: %d with a file, lost at most %.2f s; the others within %.2f s of the run's beginning\n",
-              kills(), recorded, static_cast<double>(worst_ns) * 1e-9, static_cast<double>(worst_without_ns) * 1e-9);
+  std::printf("%d kills: %d with a file, lost at most %.2f s; the others within %.2f s of the run's beginning\n", made,
+              recorded, static_cast<double>(worst_ns) * 1e-9, static_cast<double>(worst_without_ns) * 1e-9);
   std::printf("%d where the disk or the scheduler was too slow for two seconds: there more was allowed\n", excused);
   EXPECT_GE(recorded, kills() / 2);
   RunFolder folder(folder_options(scratch.path()));
