@@ -31,8 +31,8 @@ std::string PreparedRuns::path_of(std::int64_t run) const { return directory_ + 
 
 void PreparedRuns::make(std::int64_t run) {
   for (auto one = made_.begin(); one != made_.end();)
-    one = one->first == run || one->first == run + 1 ? std::next(one) : discard(one);
-  for (const std::int64_t number : {run, run + 1}) {
+    one = one->first >= run && one->first < run + kAhead ? std::next(one) : discard(one);
+  for (std::int64_t number = run; number < run + kAhead; ++number) {
     if (made_.contains(number)) continue;
     // Copied: if no thread can be begun, whoever waits makes the file, and std::async loses what is moved into it.
     const auto create = [path = path_of(number)] { return ChainWriter::create_ahead(path, ChainSort::run); };

@@ -1,5 +1,5 @@
-// The files of the next two runs, made before the runs begin: making one takes four waits for the disk, and data that
-// come meanwhile are in memory only. Two, since one run may follow another before a new file is made.
+// The files of the next runs, made before the runs begin: making one takes four waits for the disk, and data that come
+// meanwhile are in memory only.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,12 @@ class PreparedRuns {
   PreparedRuns(const PreparedRuns&) = delete;
   PreparedRuns& operator=(const PreparedRuns&) = delete;
 
-  // Makes the files of this run and of the one after it, unless they are there or being made. Removes all others that
-  // no run has taken.
+  // A run takes two waits at least, for its beginning and its end. So as a run begins whose third successor's file is
+  // then made, that file is there before the third successor begins, however quickly runs follow each other.
+  static constexpr std::int64_t kAhead = 3;
+
+  // Makes the files of this run and of those after it, kAhead in all, unless they are there or being made. Removes all
+  // others that no run has taken.
   void make(std::int64_t run);
   // Removes the files that no run has taken.
   void discard();

@@ -89,7 +89,7 @@ void RecordRing::drain(const Reader& reader) {
         reader.record(record);
       }
     }
-    if (count < batch_.size()) break;
+    if (count == 0) break;
   }
   hand_results(reader);
 }

@@ -162,6 +162,7 @@ struct Recorder::Impl {
                     log.model(result.position, result.model);
                 },
                 [this](std::uint64_t lost) { log.gap(lost); }});
+    log.caught_up();
     // Is it the disk, and how much room is missing?
     if (recorded_before && !log.stopped().empty() && readiness.look(now))
       restart.store(true, std::memory_order_relaxed);

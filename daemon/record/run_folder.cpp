@@ -272,6 +272,7 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
     return begun;
   }
   ++self.next_run;
+  self.prepared.make(self.next_run);
   // The file first: a ledger that knows the run is right to miss it where its file is gone.
   self.ledger_jobs.add(
       [ledger = &self.signs->ledger, header, name = self.name] { return ledger->run_begins(header, name); });
@@ -283,7 +284,6 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
 
 Result<void> RunFolder::write(std::span<const NewEntry> batch) {
   auto written = impl_->ledger_takes().and_then([&] { return append_and_commit(*impl_->file, batch); });
-  if (written) impl_->prepared.make(impl_->next_run);
   // The reason is in the run's own file.
   const std::string path = impl_->options.directory + "/" + impl_->name + ": ";
   if (!written && written.error().substr(0, path.size()) == path)

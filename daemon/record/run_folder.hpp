@@ -58,7 +58,7 @@ class RunFolder final : public RunStore {
   // Whether there is background work: files that are being closed, and entries for the ledger, also those that it has
   // refused and is to get later.
   [[nodiscard]] bool busy() const;
-  // Waits for what can be done of it, and for the next two files that are being made.
+  // Waits for what can be done of it, and for the next files that are being made.
   void settle();
   // The failures of background work since the last call, one sentence each.
   [[nodiscard]] std::vector<std::string> take_failures();

@@ -139,6 +139,8 @@ void RunLog::state(const StateChange& change, const Dwell& after) {
 
 void RunLog::publish(std::string kind, std::uint64_t position, std::string body) {
   if (body.size() <= kMaxJson) return notes_.push_back({std::move(kind), 0, std::move(body)});
+  caught_up();
+  if (!run_) return;
   StoredEvent event = own_event("the " + kind + " here is not recorded: it has " + std::to_string(body.size()) +
                                 " bytes; at most " + std::to_string(kMaxJson) + " can be read back");
   event.position = position;
@@ -166,6 +168,7 @@ StoredEvent RunLog::own_event(std::string text) const {
 }
 
 void RunLog::gap(std::uint64_t lost) {
+  caught_up();
   const std::string why = "recorder fell behind";
   const std::string text = why + ": " + std::to_string(lost) + " records of the stream are lost";
   if (run_) {
@@ -202,6 +205,7 @@ void RunLog::write_block() {
 }
 
 void RunLog::write(std::vector<NewEntry> batch) {
+  if (!first_.empty()) return begin_file(std::move(batch));
   if (auto written = store_.write(batch); !written) return fail(std::move(batch), written.error());
   run_->committed_ns = now_.raw_ns;
   for (const NewEntry& entry : batch) run_->bytes += entry.body.size();
@@ -250,6 +254,7 @@ RunHeader RunLog::make_header(const Request* request, std::int64_t first_t_ns) {
 }
 
 void RunLog::begin(const Record& edge) {
+  caught_up();
   if (run_ && run_->ending.empty()) end_now("another run begins");
   cut();
   const auto ago = static_cast<std::uint64_t>(std::max(edge.value, 0.0));
@@ -265,17 +270,27 @@ void RunLog::begin(const Record& edge) {
   for (Block& block : blocks) {
     count(run, block);
     for (const auto& [number, told] : block.told) told_by_stream_.take(told, number + 1 - born);
-    run.bytes += block.body.size();
     batch.push_back(stream_entry(std::move(block)));
   }
   add_early_events(born, batch.back().t_ns, batch);
-  if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) {
-    keep_label(run.header.label, run.header.comment);
+  run_ = std::move(run);
+  first_ = std::move(batch);
+  note_request(edge);
+}
+
+// With `more` in the same batch.
+void RunLog::begin_file(std::vector<NewEntry> more) {
+  std::vector<NewEntry> batch = std::exchange(first_, {});
+  std::move(more.begin(), more.end(), std::back_inserter(batch));
+  if (auto begun = store_.begin(run_->header, run_->first_t_ns, batch); !begun) {
+    keep_label(run_->label, run_->header.comment);
+    run_.reset();
+    notes_.clear();
+    told_by_stream_ = {};
     return stop(begun.error());
   }
-  run.committed_ns = now_.raw_ns;
-  run_ = std::move(run);
-  note_request(edge);
+  run_->committed_ns = now_.raw_ns;
+  for (const NewEntry& entry : batch) run_->bytes += entry.body.size();
   interruption_.over();
   options_.tell(
       {Notice::Grade::info, "recording " + named(*run_) + ", begun by " + run_->header.begun_by, run_->header.run, {}});
@@ -293,6 +308,7 @@ void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector
 // The last dwell may end with the run, so the file is closed with the next block. The run's last block waits for the
 // next record. If that begins another run, both are written with one wait for the disk.
 void RunLog::end(const Record& edge) {
+  caught_up();
   interruption_.run_ended();
   if (!run_ || !run_->ending.empty()) return cut();
   note_request(edge);
@@ -349,6 +365,7 @@ void RunLog::stop(const std::string& why) {
 }
 
 void RunLog::finish() {
+  caught_up();
   if (run_) end_now("service stopped");
 }
 

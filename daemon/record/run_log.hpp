@@ -88,12 +88,17 @@ class RunLog {
   void keep_label(std::string label, std::string comment) {
     interruption_.keep_label(std::move(label), std::move(comment));
   }
+  // The stream was read to its end. Writes the file of a run that has begun: until then, what came after the beginning
+  // goes into its first batch, so it needs no wait for the disk of its own. Call it after each turn.
+  void caught_up() {
+    if (run_ && !first_.empty()) begin_file({});
+  }
   // See Interruption::goes_on().
   void goes_on() noexcept { interruption_.goes_on(now_.raw_ns); }
   // The service ends: so does the run.
   void finish();
 
-  // What is being recorded; null: nothing.
+  // What is being recorded; null: nothing. Between a run's beginning and caught_up() its header has no number yet.
   [[nodiscard]] const RunProgress* progress() const noexcept { return run_ ? &*run_ : nullptr; }
   // Why the current run is not recorded (any more); empty: it is, or there is none.
   [[nodiscard]] const std::string& stopped() const noexcept { return interruption_.why(); }
@@ -105,6 +110,7 @@ class RunLog {
   void write_block();
   void write(std::vector<NewEntry> batch);
   void begin(const Record& edge);
+  void begin_file(std::vector<NewEntry> more);
   void end(const Record& edge);
   void end_now(const std::string& why);
   void stop(const std::string& why);
@@ -132,6 +138,7 @@ class RunLog {
   bool follows_ = false;  // kept_ and cutter_ hold the whole stream since the birth of a waiting pipeline
   EarlyEvents early_;
   StreamEvents told_by_stream_;
+  std::vector<NewEntry> first_;  // what a run begins with, until its file is begun
   std::vector<NewEntry> notes_;  // results and events since the last block
   std::vector<NewEntry> last_;   // the last block of a run that has just ended, not written yet
   std::int64_t last_ns_ = 0;     // when that run ended, ns of the raw clock

@@ -65,6 +65,7 @@ struct LoggedRuns : testing::Test {
           log.set_clock({record.t_ns, kUtc_ns + record.t_ns});
           handed.push_back(record);
           log.record(record);
+          log.caught_up();
         }) {}
 
   static std::vector<Record> records_of(const MemoryRun& run) {

@@ -32,6 +32,7 @@ struct FolderRig {
         stream(2, 1000.0, [this](const Record& r) {
           log.set_clock({r.t_ns, kStart_utc_ns + r.t_ns});
           log.record(r);
+          log.caught_up();
         }) {}
 
   // 2.5 s, half a second after its pipeline was armed, and what closes it.
