@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/ctl/half_written.hpp"
 #include "daemon/ctl/pinned_key.hpp"
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
@@ -113,9 +114,14 @@ Result<Written> write_uff(Selection& selection, const Provenance& from, const Ex
   return written;
 }
 
+// Throws AskedToEnd.
 Result<Written> write(Selection& selection, const Provenance& from, const ExportRunOptions& options) {
   ProgressBar bar("exporting");
-  const Progress progress = bar.progress();
+  const HalfWritten half_written;
+  const Progress progress = [&bar](double part) {
+    HalfWritten::check();
+    bar.show(part);
+  };
   if (options.format == "csv") return write_csv(selection, from, options, progress);
   if (options.format == "hdf5") return write_hdf5(selection, from, options, progress);
   return write_uff(selection, from, options, progress);
@@ -131,6 +137,15 @@ void tell(const ExportRunOptions& options, const Written& written, const Provena
   }
   std::printf("%s: %llu samples%s\n", printable(options.output).c_str(),
               static_cast<unsigned long long>(written.samples), printable(written.more).c_str());
+}
+
+Result<Written> write_or_end(Selection& selection, const Provenance& from, const ExportRunOptions& options) {
+  try {
+    return write(selection, from, options);
+  } catch (const AskedToEnd& asked) {
+    end_by(asked);
+    return tl::make_unexpected(options.output + ": was not written: asked to end");
+  }
 }
 
 }  // namespace
@@ -155,8 +170,10 @@ int export_run(const ExportRunOptions& options) {
     from.head = audit->head;
     from.audit = handon::audit_line(*audit);
     if (audit->state == record::AuditState::tampered) {
-      tell_error(options.file + ": " + from.audit + "; nothing was exported. --unchecked exports it without an audit");
-      return kNo;
+      const auto readable = Selection::open(options.file, {});
+      tell_error(options.file + ": " + from.audit + "; nothing was exported" +
+                 (readable ? ". --unchecked exports it without an audit" : ", and it cannot be read as a run"));
+      return readable ? kNo : kUsage;
     }
   }
   auto selection = Selection::open(options.file, options.range);
@@ -168,7 +185,7 @@ int export_run(const ExportRunOptions& options) {
     tell_error(why_no_stream(options.file, selection->header()));
     return kUsage;
   }
-  const auto written = write(*selection, from, options);
+  const auto written = write_or_end(*selection, from, options);
   if (!written) {
     tell_error(written.error());
     return kUsage;
@@ -193,7 +210,9 @@ int report(const ReportOptions& options) {
   }
   auto selection = Selection::open(options.file, {});
   if (!selection) {
-    tell_error(selection.error());
+    tell_error(audit->state == record::AuditState::tampered
+                   ? options.file + ": " + handon::audit_line(*audit) + "; no page: it cannot be read as a run"
+                   : selection.error());
     return kUsage;
   }
   Provenance from = provenance();

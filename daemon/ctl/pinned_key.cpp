@@ -1,14 +1,17 @@
 #include "daemon/ctl/pinned_key.hpp"
 
-#include <fstream>
+#include "daemon/record/bounded_lines.hpp"
 
 namespace dwell::ctl {
 namespace {
 
-record::Result<void> add_keys_of(std::istream& file, const std::string& path, std::vector<record::PublicKey>& keys) {
+constexpr std::size_t kMostBytes = 1'000'000;  // of a file of keys: some ten thousand keys
+
+record::Result<void> add_keys_of(record::BoundedLines& lines, const std::string& path,
+                                 std::vector<record::PublicKey>& keys) {
   const std::size_t before = keys.size();
   int number = 0;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; lines.next(line);) {
     ++number;
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
     if (line.empty() || line.front() == '#') continue;
@@ -16,6 +19,7 @@ record::Result<void> add_keys_of(std::istream& file, const std::string& path, st
     if (!key) return tl::make_unexpected(path + ":" + std::to_string(number) + ": " + key.error());
     keys.push_back(std::move(*key));
   }
+  if (auto whole = lines.whole(); !whole) return whole;
   if (keys.size() == before) return tl::make_unexpected(path + ": holds no key; expected vkeys, one a line");
   return {};
 }
@@ -25,9 +29,9 @@ record::Result<void> add_keys_of(std::istream& file, const std::string& path, st
 record::Result<std::vector<record::PublicKey>> pinned_keys(const std::vector<std::string>& asked) {
   std::vector<record::PublicKey> keys;
   for (const std::string& one : asked) {
-    std::ifstream file(one);
-    if (file) {
-      if (auto added = add_keys_of(file, one, keys); !added) return tl::make_unexpected(added.error());
+    record::BoundedLines lines(one, kMostBytes);
+    if (lines.is_open()) {
+      if (auto added = add_keys_of(lines, one, keys); !added) return tl::make_unexpected(added.error());
       continue;
     }
     // A vkey contains "+"; few paths do.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kShown = 50;  // differences shown as text; JSON holds all that were kept
 
-std::string plain(double value) {
+std::string two_digits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", value);
   return text;
@@ -38,7 +38,7 @@ std::string place(const Finding& finding) {
 std::string line(const Finding& finding) {
   const Difference& d = finding.difference;
   std::string text = place(finding) + ": stored " + shown(d.stored) + ", replayed " + shown(d.replayed);
-  if (d.in_u >= 0.0) text += ", " + plain(d.in_u) + " u";
+  if (d.in_u >= 0.0) text += ", " + two_digits(d.in_u) + " u";
   return text;
 }
 
@@ -72,10 +72,10 @@ std::string headline(const ReplayVerdict& verdict, const ReplayFindings& finding
   if (findings.identical()) return "identical: " + seen + ", bit for bit";
   const std::string different = count(findings.different, "difference", "differences") + " in " + seen;
   if (verdict.same)
-    return "the same within " + plain(kReplayTolerance) + " u, on another build or processor: " + different;
+    return "the same within " + two_digits(kReplayTolerance) + " u, on another build or processor: " + different;
   if (verdict.same_origin) return "not identical: " + different;
   return "not the same: " + different + ", " + std::to_string(findings.intolerable) + " beyond " +
-         plain(kReplayTolerance) + " u";
+         two_digits(kReplayTolerance) + " u";
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "daemon/ctl/control_client.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/ctl/run_summary.hpp"
+#include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json_value.hpp"
@@ -83,7 +84,9 @@ tl::expected<Json, Refusal> enter(const Service& service, const std::string& fil
 // answers is no failure, for the file may lie anywhere: the output says whether the ledger knows the signature.
 int sign_with_own_key(const Service& service, const SignOptions& options) {
   const auto key = record::SigningKey::load(options.key);
-  if (!key) return refuse(kUsage, "--key: " + key.error() + "; dwellctl keygen makes one");
+  std::error_code none;
+  const bool is_there = std::filesystem::exists(options.key, none);
+  if (!key) return refuse(kUsage, "--key: " + key.error() + (is_there ? "" : "; dwellctl keygen makes one"));
   record::PersonalSignature words;
   words.name = options.name.empty() ? own_name() : options.name;
   if (words.name.empty()) return refuse(kUsage, "the system does not know who you are: expected --name");
@@ -93,15 +96,18 @@ int sign_with_own_key(const Service& service, const SignOptions& options) {
   const auto signature = record::sign_by_own_key(options.file, std::move(words), *key);
   if (!signature) return refuse(kUsage, signature.error());
   const auto entered = enter(service, options.file);
-  const std::string why = entered ? "" : entered.error().why;
-  return print(Json{{"signature", Json::parse(to_json(*signature))},
-                    {"in_ledger", entered.has_value()},
-                    {"not_in_ledger", why.empty() ? Json(nullptr) : Json(why)}},
-               signed_text(*signature, options.file) +
-                   (entered ? "  the ledger knows it\n"
-                            : "  not in the ledger: " + printable(why) +
-                                  ". Where the service has this file, dwellctl sign --enter enters it\n"),
-               service.json);
+  const auto reader = record::RunReader::open(options.file);
+  const bool child = reader && reader->header().is_child();
+  const std::string why = entered ? "" : child ? "no ledger knows child files" : entered.error().why;
+  return print(
+      Json{{"signature", Json::parse(to_json(*signature))},
+           {"in_ledger", entered.has_value()},
+           {"not_in_ledger", why.empty() ? Json(nullptr) : Json(why)}},
+      signed_text(*signature, options.file) +
+          (entered ? "  the ledger knows it\n"
+                   : "  not in the ledger: " + printable(why) +
+                         (child ? "\n" : ". Where the service has this file, dwellctl sign --enter enters it\n")),
+      service.json);
 }
 
 int enter_signatures(const Service& service, const SignOptions& options) {
@@ -141,6 +147,13 @@ int sign_through_service(const Service& service, const SignOptions& options) {
 }  // namespace
 
 int sign(const Service& service, const SignOptions& options) {
+  // A file that only the service may read is the service's to judge.
+  std::error_code failed;
+  const auto type = std::filesystem::status(options.file, failed).type();
+  if (type == std::filesystem::file_type::not_found)
+    return refuse(kUsage, options.file + ": No such file or directory");
+  if (!failed && type != std::filesystem::file_type::regular)
+    return refuse(kUsage, options.file + ": is no regular file");
   if (options.enter) return enter_signatures(service, options);
   if (options.meaning.empty()) return refuse(kUsage, "expected --meaning, for instance \"reviewed\", or --enter");
   if (options.key.empty()) return sign_through_service(service, options);

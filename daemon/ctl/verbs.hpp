@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/recorded_run.hpp"
 
 namespace dwell::ctl {
 
@@ -25,12 +26,30 @@ class Verbs {
   }
   // Does the verb that the parsed command line names. Returns its exit code.
   [[nodiscard]] int run() const {
-    for (const auto& [verb, does] : verbs_)
-      if (*verb) return does();
+    for (const auto& [verb, does] : verbs_) {
+      if (!*verb) continue;
+      if (const CLI::Option* option = empty_one(*verb); option != nullptr) {
+        tell_error(verb->get_name() + ": " + option->get_name() + " is empty; expected a value");
+        return kUsage;
+      }
+      return does();
+    }
     return kUsage;
   }
 
  private:
+  // The first option that was given without a letter, as by a shell variable that is not set; null: none. CLI11 takes
+  // an empty number for one that was not given. A text for the record may be empty.
+  static const CLI::Option* empty_one(const CLI::App& verb) {
+    for (const CLI::Option* option : verb.get_options()) {
+      const std::string name = option->get_name();
+      if (option->get_expected_min() == 0 || name == "--comment" || name == "--reason") continue;
+      for (const std::string& given : option->results())
+        if (given.empty()) return option;
+    }
+    return nullptr;
+  }
+
   CLI::App& app_;
   std::vector<std::pair<CLI::App*, std::function<int()>>> verbs_;
 };

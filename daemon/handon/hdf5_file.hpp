@@ -39,7 +39,7 @@ inline void hdf5_check(herr_t code, const char* what) {
   if (code < 0) throw Hdf5Error(std::string(what) + " failed");
 }
 
-// A new file; replaces one of that name.
+// A new file; replaces one of that name. Does not lock it: OutputFile does.
 [[nodiscard]] Hdf5Id hdf5_create(const std::string& path);
 [[nodiscard]] Hdf5Id hdf5_group(const Hdf5Id& in, const std::string& name);
 

@@ -1,6 +1,7 @@
 #include "daemon/handon/output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -66,6 +67,16 @@ bool give_name(const std::string& from, const std::string& to, bool overwrite) {
   return true;
 }
 
+// false: another program has it. That may have given it its name meanwhile, so `part` must still lead to it. File
+// systems without locks count as free.
+bool lock(const record::OpenFile& file, const std::string& part) {
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+  struct stat own {
+  }, there{};
+  return ::fstat(file.get(), &own) == 0 && ::lstat(part.c_str(), &there) == 0 && own.st_ino == there.st_ino &&
+         own.st_dev == there.st_dev;
+}
+
 }  // namespace
 
 record::Result<void> may_write(const Target& target) {
@@ -99,11 +110,13 @@ record::Result<OutputFile> OutputFile::create(const Target& target) {
   if (auto may = may_write(target); !may) return tl::make_unexpected(may.error());
   std::string part = target.path + ".part";  // may be left of a program that was killed
   if (auto may = may_write({part, true}); !may) return tl::make_unexpected(may.error());
-  auto file = record::open_regular(part, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666);
+  auto file = record::open_regular(part, O_RDWR | O_CREAT | O_NOFOLLOW, 0666);
   if (!file) {  // its error begins with the name of the part, which nobody gave
     const std::string reason = file.error().substr(part.size() + 2);
     return tl::make_unexpected(target.path + ": cannot be written: " + reason);
   }
+  if (!lock(*file, part)) return tl::make_unexpected(target.path + ": another program is writing it now");
+  if (::ftruncate(file->get(), 0) != 0) return tl::make_unexpected(target.path + ": cannot be written: " + why());
   return OutputFile(target, std::move(part), std::move(*file));
 }
 

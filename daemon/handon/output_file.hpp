@@ -29,7 +29,8 @@ struct Target {
 // Bound to one thread. keep() returns the first failure; everything written after that is dropped.
 class OutputFile {
  public:
-  // Fails as may_write() does. An existing file of that name stays until keep().
+  // Fails as may_write() does, and while another OutputFile of that name exists, in this program or another. An
+  // existing file of that name stays until keep().
   [[nodiscard]] static record::Result<OutputFile> create(const Target& target);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;

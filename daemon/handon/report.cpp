@@ -125,6 +125,10 @@ std::string front(const Selection& selection, const RunStory& story, const recor
                        "the file of that run.");
   html += html_paragraph("File as found when this report was made: " + audit_line(audit),
                          std::string("state ") + state_class(audit));
+  if (!story.unreadable.empty()) {
+    html += html_paragraph("Parts of the file cannot be read; this page holds what stands before them:");
+    html += html_list(story.unreadable, "alarm");
+  }
   if (audit.state != record::AuditState::tampered && !audit.trusted)
     html += html_paragraph(
         std::string("No key was given to trust: compare the fingerprint with the one that the rig's service "
@@ -195,11 +199,12 @@ std::string report_page(const Selection& selection, const RunStory& story, const
 
 Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
                            const Target& target, const Progress& progress) {
-  const auto story = tell_run(selection, progress);
-  if (!story) return tl::make_unexpected(story.error());
+  const RunStory story = tell_run(selection, progress);
+  if (!story.unreadable.empty() && audit.state != record::AuditState::tampered)
+    return tl::make_unexpected(story.unreadable.front());
   auto file = OutputFile::create(target);
   if (!file) return tl::make_unexpected(file.error());
-  file->write(report_page(selection, *story, audit, provenance));
+  file->write(report_page(selection, story, audit, provenance));
   return file->keep();
 }
 

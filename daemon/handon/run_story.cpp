@@ -64,12 +64,15 @@ Result<void> read_dwells(Selection& selection, RunStory& story, std::size_t& roo
 
 }  // namespace
 
-Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
+RunStory tell_run(Selection& selection, const Progress& progress) {
   RunStory story;
-  if (auto done = read_stream(selection, story, progress); !done) return tl::make_unexpected(done.error());
+  const auto note = [&story](const auto& read) {
+    if (!read) story.unreadable.push_back(read.error());
+  };
+  note(read_stream(selection, story, progress));
   std::size_t room = RunStory::kStoredBytes;
-  if (auto done = read_dwells(selection, story, room); !done) return tl::make_unexpected(done.error());
-  auto done = selection.reader().events([&story](const record::StoredEvent& event) {
+  note(read_dwells(selection, story, room));
+  note(selection.reader().events([&story](const record::StoredEvent& event) {
     if (story.events.size() < RunStory::kEvents) {
       story.events.push_back(event);
       record::shorten(story.events.back(), RunStory::kEventBytes);
@@ -77,9 +80,8 @@ Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
       ++story.events_left_out;
     }
     return true;
-  });
-  if (!done) return tl::make_unexpected(done.error());
-  auto models = selection.reader().models([&](const record::StoredModel& model) {
+  }));
+  note(selection.reader().models([&](const record::StoredModel& model) {
     const std::size_t size = model.from.size() + model.result.size();
     if (story.models.size() < RunStory::kModels && size <= room) {
       story.models.push_back(model);
@@ -88,11 +90,10 @@ Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
       ++story.models_left_out;
     }
     return true;
-  });
-  if (!models) return tl::make_unexpected(models.error());
+  }));
   auto signatures = selection.reader().signatures();
-  if (!signatures) return tl::make_unexpected(signatures.error());
-  story.signatures = std::move(*signatures);
+  note(signatures);
+  if (signatures) story.signatures = std::move(*signatures);
   return story;
 }
 

@@ -39,9 +39,10 @@ struct RunStory {
   std::vector<record::StoredEvent> events;
   std::uint64_t events_left_out = 0;
   std::vector<record::PersonalSignature> signatures;
+  std::vector<std::string> unreadable;  // why parts of the above end early, where the file was tampered with
 };
 
-// Reads the whole run. Memory: 10 kB a channel, the dwells and events up to their limits.
-[[nodiscard]] Result<RunStory> tell_run(Selection& selection, const Progress& progress);
+// Reads the whole run, or what can be read of it. Memory: 10 kB a channel, the dwells and events up to their limits.
+[[nodiscard]] RunStory tell_run(Selection& selection, const Progress& progress);
 
 }  // namespace dwell::handon

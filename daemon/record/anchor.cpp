@@ -5,18 +5,20 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "daemon/record/bounded_lines.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
 namespace {
 
+// Of a file of anchors: a year of one a minute is 90 MB. A larger one is the journal of much else.
+constexpr std::size_t kMostBytes = 256'000'000;
 constexpr std::string_view kMark = "anchor:";  // the first word of the log's line
 
 // Position of the origin, which follows a space; npos: there is none.
@@ -86,11 +88,11 @@ std::string to_line(const Anchor& anchor) {
 }
 
 Result<Anchors> read_anchors(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path))
-    return tl::unexpected(path + ": cannot be read: " + std::strerror(file ? EISDIR : errno));
+  BoundedLines lines(path, kMostBytes);
+  if (!lines.is_open() || std::filesystem::is_directory(path))
+    return tl::unexpected(path + ": cannot be read: " + std::strerror(lines.is_open() ? EISDIR : errno));
   Anchors anchors;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; lines.next(line);) {
     const std::size_t at = origin_in(line);
     if (at == std::string::npos) continue;
     if (auto anchor = parse(line, at))
@@ -98,6 +100,7 @@ Result<Anchors> read_anchors(const std::string& path) {
     else
       ++anchors.skipped;
   }
+  if (auto whole = lines.whole(); !whole) return tl::unexpected(whole.error());
   if (anchors.all.empty())
     return tl::unexpected(path +
                           ": no anchor in it; expected lines \"UTC dwell/run/ID NUMBER HEAD\", or the output of " +

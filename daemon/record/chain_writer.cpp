@@ -105,6 +105,17 @@ Result<void> make_file(const std::string& path, ChainSort sort) {
   return {};
 }
 
+// Whoever writes needs a log beside the file.
+Result<void> may_have_log(const std::string& path) {
+  const std::string log = path + "-wal";
+  struct stat status {};
+  if (::lstat(log.c_str(), &status) == 0)
+    return S_ISREG(status.st_mode) ? Result<void>() : fails(log + ": is no regular file");
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0) return {};
+  return fails(path + ": a log beside it is needed, and no file can be made there: " + std::strerror(errno));
+}
+
 }  // namespace
 
 struct ChainWriter::Impl {
@@ -328,6 +339,7 @@ Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, s
 
 Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, ChainSort sort, std::string origin,
                                                   const PublicKey& last, const WhileBusy& busy) {
+  if (Result<void> can = may_have_log(path); !can) return tl::unexpected(can.error());
   const Result<ChainTail> tail = follow_chain(path, sort, origin, last);
   if (!tail) return fails(tail.error());
   auto impl = std::make_unique<Impl>();
@@ -338,6 +350,8 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
   // Somebody else may have written since the chain was followed.
   const std::string now =
       first_text(impl->database.get(), "SELECT seq || ' ' || lower(hex(head)) FROM entry ORDER BY seq DESC LIMIT 1");
+  if (now.empty() && sqlite3_errcode(impl->database.get()) != SQLITE_DONE)
+    return fails(sqlite_error(impl->database.get(), path));
   if (now != (tail->seq == 0 ? "" : std::to_string(tail->seq) + " " + hex(tail->head)))
     return fails(path + ": somebody else has just written to it; try again");
   return ChainWriter(std::move(impl));

@@ -185,7 +185,12 @@ TEST_F(RecordVerbs, UnusableInputIsOneLineAndExitCode2) {
                                                 {"show", folder.path("none.dwell")},
                                                 {"show", text},
                                                 {"runs", folder.path("none")},
+                                                {"runs", ""},
                                                 {"sign", run},
+                                                {"sign", folder.path("none.dwell"), "--meaning", "reviewed"},
+                                                {"sign", folder.path(""), "--meaning", "reviewed"},
+                                                {"identify", folder.path("none.dwell")},
+                                                {"verify", folder.path("none.dwell")},
                                                 {"sign", run, "--meaning", "reviewed", "--key", folder.path("none")}}) {
     const Outcome outcome = test::run(wrong);
     EXPECT_EQ(outcome.code, 2) << wrong[0] << ": " << outcome.out << outcome.err;

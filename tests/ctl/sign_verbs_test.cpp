@@ -155,6 +155,18 @@ TEST_F(SignVerbs, APublicKeySignsNothingAndIsCalledWhatItIs) {
   const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--name", "A", "--key", own + ".pub"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_TRUE(holds(outcome.err, own + ".pub: is a public key; expected the private key")) << outcome.err;
+  EXPECT_FALSE(holds(outcome.err, "keygen")) << outcome.err;
+}
+
+TEST_F(SignVerbs, WhereNoLogCanLieBesideTheFileTheReasonIsToldAndTheFileStaysAsItWas) {
+  const std::string run = written("run.dwell"), own = folder.path("key");
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  std::filesystem::create_symlink("nowhere", run + "-wal");
+  const std::string before = test::contents(run);
+  const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--name", "A", "--key", own});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_TRUE(holds(outcome.err, run + "-wal: is no regular file")) << outcome.err;
+  EXPECT_EQ(test::contents(run), before);
 }
 
 TEST_F(SignVerbs, WhatHasNotEndedIsNotSigned) {
@@ -186,15 +198,16 @@ TEST_F(SignVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
         "\n"},
        {"{\"error\":\"/var/lib/dwell/run.dwell: the run has not ended\"}\n"}},
       control);
-  const std::vector<std::string> command{"sign", "run.dwell", "--meaning", "reviewed", "--control", control};
+  const std::string file = std::filesystem::relative(folder.file("run.dwell", "the service's")).string();
+  const std::vector<std::string> command{"sign", file, "--meaning", "reviewed", "--control", control};
   const Outcome outcome = test::run(command);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out,
-            "run.dwell: signed: countersigned by the service for anna (uid 1000): Anna Weber: reviewed, "
-            "2026-07-02T08:00:00Z\n");
+  EXPECT_EQ(outcome.out, file +
+                             ": signed: countersigned by the service for anna (uid 1000): Anna Weber: reviewed, "
+                             "2026-07-02T08:00:00Z\n");
   const auto request = nlohmann::json::parse(server.requests().at(0));
   EXPECT_EQ(request["verb"], "sign");
-  EXPECT_EQ(request["file"], std::filesystem::absolute("run.dwell").string());
+  EXPECT_EQ(request["file"], std::filesystem::absolute(file).string());
   EXPECT_EQ(request["meaning"], "reviewed");
   const Outcome refused = test::run(command);
   EXPECT_EQ(refused.code, 1);

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "tests/api_schema.hpp"
 #include "tests/handon/handed_run.hpp"
@@ -82,6 +83,50 @@ TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
   const Said page = say("report run.dwell -o out.html");
   EXPECT_EQ(page.code, 1) << page.out;
   EXPECT_NE(record::Scratch::read(scratch_.path("out.html")).find("class=\"state tampered\""), std::string::npos);
+}
+
+// Where the stream, a result or an event cannot be read, the page holds what stands before.
+TEST_F(HandonCommand, ReportsATamperedRunOfWhichABlockCannotBeRead) {
+  std::string bytes = record::Scratch::read(run_.path);
+  const std::string frame = "\x28\xb5\x2f\xfd";  // of zstd
+  const std::size_t first = bytes.find(frame), second = bytes.find(frame, first + 1);
+  ASSERT_NE(second, std::string::npos);
+  for (std::size_t i = 0; i < 32; ++i) bytes[second + 8 + i] = 'x';
+  std::ofstream(run_.path, std::ios::binary) << bytes;
+  const Said page = say("report run.dwell -o out.html");
+  EXPECT_EQ(page.code, 1) << page.err;
+  const std::string html = record::Scratch::read(scratch_.path("out.html"));
+  EXPECT_NE(html.find("class=\"state tampered\""), std::string::npos);
+  EXPECT_NE(html.find("Parts of the file cannot be read"), std::string::npos);
+}
+
+TEST_F(HandonCommand, AdvisesNothingForAFileThatIsNoRun) {
+  for (const std::string& bytes : {std::string(), std::string("no database\n")}) {
+    std::ofstream(scratch_.path("other.dwell"), std::ios::binary) << bytes;
+    const Said said = say("export other.dwell --format csv -o out.csv");
+    EXPECT_EQ(said.code, 2) << said.err;
+    EXPECT_EQ(said.err.find("--unchecked"), std::string::npos) << said.err;
+    EXPECT_EQ(say("report other.dwell -o out.html").code, 2);
+  }
+}
+
+// HDF5 cannot close such a file.
+TEST_F(HandonCommand, ADiskThatIsFullIsAnErrorInEachFormat) {
+  for (const char* format : {"csv", "hdf5", "uff"}) {
+    const Said said = say("run.dwell >/dev/null; trap '' XFSZ; ulimit -f 8; " DWELLCTL " export run.dwell --format " +
+                          std::string(format) + " -o full");
+    EXPECT_EQ(said.code, 2) << format << ": " << said.err;
+    EXPECT_FALSE(there("full") || there("full.part")) << format;
+  }
+}
+
+TEST_F(HandonCommand, AnOptionWithoutALetterIsNotTakenForNone) {
+  for (const char* option : {"--from ''", "--to ''", "--dwell ''"}) {
+    const Said said = say(std::string("export run.dwell --format csv -o out.csv ") + option);
+    EXPECT_EQ(said.code, 2) << option;
+    EXPECT_NE(said.err.find(" is empty; expected a value"), std::string::npos) << said.err;
+    EXPECT_FALSE(there("out.csv"));
+  }
 }
 
 // A child file holds no stream: nothing may be said about readings, samples or losses as if there were none.
@@ -234,6 +279,7 @@ TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
   EXPECT_FALSE(there("out") || there("-"));
   refused("export run.dwell --format csv -o run.dwell", "is the run file itself");
   refused("report run.dwell -o run.dwell", "is the run file itself");
+  scratch_.write("readings.csv", "t,y0,reaction\n");
   refused("export --model readings.csv -o out", "a recording as text needs its rig file: --rig RIG.toml");
   refused("export run.dwell -o out --rig rig.toml", "--model");
   refused("export run.dwell --format uff -o missing/out", "missing/out: cannot be written");

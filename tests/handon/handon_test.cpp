@@ -4,11 +4,13 @@
 #include <cmath>
 #include <filesystem>
 #include <numeric>
+#include <stdexcept>
 
 #include "config/rig_file.hpp"
 #include "daemon/ctl/identify.hpp"
 #include "daemon/handon/csv.hpp"
 #include "daemon/handon/hdf5.hpp"
+#include "daemon/handon/output_file.hpp"
 #include "daemon/handon/uff.hpp"
 #include "drivers/replay/csv_recording.hpp"
 #include "tests/handon/handed_run.hpp"
@@ -139,6 +141,33 @@ TEST(HandedOnAsUff, AGapEndsADatasetAndAnotherGoesOn) {
   ASSERT_TRUE(done) << done.error();
   EXPECT_EQ(done->datasets, 4U);
   EXPECT_EQ(test::python("read_uff.py", {scratch.path("run.uff"), "0", "2"}), 0);
+}
+
+TEST(HandedOn, WhoStopsAmidAnExportLeavesNoFile) {
+  const record::Scratch scratch;
+  test::HandedRun run;
+  run.length_s = 300.0;
+  run.rate_hz = 1000.0;
+  test::write(run, scratch.path("run.dwell"));
+  const handon::Progress stop = [](double) { throw std::runtime_error("stopped"); };
+  handon::Selection selection = test::select(run);
+  EXPECT_THROW((void)export_csv(selection, test::provenance(), {}, scratch.path("o"), stop), std::runtime_error);
+  EXPECT_THROW((void)export_hdf5(selection, test::provenance(), scratch.path("o"), stop), std::runtime_error);
+  EXPECT_THROW((void)export_uff(selection, test::provenance(), {}, scratch.path("o"), stop), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(scratch.path("o")) || std::filesystem::exists(scratch.path("o.part")));
+}
+
+TEST(HandedOn, TwoProgramsDoNotWriteOneFileAtATime) {
+  const record::Scratch scratch;
+  auto one = handon::OutputFile::create(scratch.path("o"));
+  ASSERT_TRUE(one) << one.error();
+  one->write("one");
+  const auto other = handon::OutputFile::create(scratch.path("o"));
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error(), scratch.path("o") + ": another program is writing it now");
+  ASSERT_TRUE(one->keep());
+  EXPECT_EQ(record::Scratch::read(scratch.path("o")), "one");
+  EXPECT_TRUE(handon::OutputFile::create({scratch.path("o"), true})) << "it is done";
 }
 
 TEST(HandedOn, WhatFailsLeavesNoFileAndSaysWhere) {

@@ -46,9 +46,8 @@ TEST(Report, TellsWhatWasEstimatedAndVerifiedMeanwhile) {
                  R"({"dwell":1,"verdict":"adequate","e_n":0.42})"}};
   test::write(run, scratch.path("run.dwell"));
   Selection selection = test::select(run);
-  const auto story = tell_run(selection, {});
-  ASSERT_TRUE(story) << story.error();
-  const std::string page = report_page(selection, *story, {}, test::provenance());
+  const RunStory story = tell_run(selection, {});
+  const std::string page = report_page(selection, story, {}, test::provenance());
   EXPECT_NE(page.find("from 0.50 s to 3.12 s, 250 readings: no coefficients: the table &lt;rests&gt;"),
             std::string::npos);
   EXPECT_NE(page.find("of dwell 1: adequate, E_n 0.42"), std::string::npos);
@@ -61,11 +60,10 @@ TEST(Report, SaysWhatWasTamperedWithFirst) {
   run.closed = false;
   test::write(run, scratch.path("run.dwell"));
   Selection selection = test::select(run);
-  const auto story = tell_run(selection, {});
-  ASSERT_TRUE(story) << story.error();
+  const RunStory story = tell_run(selection, {});
   record::Audit audit;
   audit.where = "entry 3: its head does not follow";
-  const std::string page = report_page(selection, *story, audit, test::provenance());
+  const std::string page = report_page(selection, story, audit, test::provenance());
   EXPECT_LT(page.find("tampered: entry 3: its head does not follow"), page.find("<h2>"));
   EXPECT_NE(page.find("not closed: still recorded, or cut off"), std::string::npos);
 }

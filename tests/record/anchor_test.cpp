@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 
 #include "tests/record/scratch.hpp"
@@ -69,6 +70,20 @@ TEST(Anchor, ALineThatIsNoneIsCountedAndTakesNoOtherAway) {
     EXPECT_EQ(anchors->all.size(), 1u) << wrong;
     EXPECT_EQ(anchors->skipped, 1u) << wrong;
   }
+}
+
+// A line of 10 MB is passed over; a file of more than 256 MB is not read to its end.
+TEST(Anchor, AFileOfZerosTakesNoMemoryAndIsRefused) {
+  const Scratch scratch;
+  const std::string anchor = "2026-11-23T00:00:00Z dwell/run/0 7 " + std::string(43, 'A') + "=\n";
+  const auto found = read_anchors(scratch.write("long", std::string(10'000'000, 'x') + "\n" + anchor));
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->all.size(), 1U);
+  const std::string zeros = scratch.write("zeros", anchor);
+  std::filesystem::resize_file(zeros, 300'000'000);
+  const auto refused = read_anchors(zeros);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), zeros + ": is too large to be what is expected there");
 }
 
 TEST(Anchor, AFileWithoutAnyIsRefused) {

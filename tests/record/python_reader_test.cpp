@@ -242,6 +242,8 @@ TEST_F(PythonReader, FindsWhatWasAltered) {
            "UPDATE note SET text = replace(text, 'dwell/run/0', 'dwell/run/1')",
            "UPDATE note SET text = (SELECT text FROM note ORDER BY seq LIMIT 1) WHERE seq = 9",
            "PRAGMA application_id = 1",
+           "CREATE TABLE more (a)",
+           "CREATE VIEW seen AS SELECT 1",
        }) {
     std::filesystem::remove(run.path);
     write(run, key);

@@ -26,6 +26,8 @@ from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
 MAX_RECORDS = 1 << 20  # of a block
 WORD = 1 << 64
+TABLES = ["CREATE TABLE entry (seq INTEGER PRIMARY KEY, kind TEXT NOT NULL, t_ns INTEGER NOT NULL, body BLOB NOT NULL, "
+          "head BLOB NOT NULL) STRICT", "CREATE TABLE note (seq INTEGER PRIMARY KEY, text TEXT NOT NULL) STRICT"]
 
 
 class Tampered(Exception):
@@ -126,6 +128,8 @@ def rows(path, folder):
     try:
         check(database.execute("PRAGMA application_id").fetchone()[0] == 0x44574C4C, "no run file")
         check(database.execute("PRAGMA user_version").fetchone()[0] == 2, "a version that this page does not tell of")
+        found = [sql for sql, in database.execute("SELECT sql FROM sqlite_schema ORDER BY name")]
+        check(found == TABLES, "other tables than those of a run file")
         notes = dict(database.execute("SELECT seq, text FROM note"))
         yield notes
         yield from database.execute("SELECT seq, kind, t_ns, body, head FROM entry ORDER BY seq")
@@ -176,14 +180,12 @@ class Reader:
         check(self.end is None or kind == "signature", f"{where}: `{kind}` after the end")
         if kind == "stream":
             self.stream(where, body)
-            return
-        value = json.loads(body)
-        if kind == "run":
-            self.begin(value)
+        elif kind == "run":
+            self.begin(json.loads(body))
         elif kind == "end":
-            self.end = value
+            self.end = json.loads(body)
         elif kind in ("result", "estimate", "verification", "event"):
-            self.result[kind + "s"].append(value)
+            self.result[kind + "s"].append(json.loads(body))
 
     def signature(self, where, head, value):
         """Of a person, over the head of the entry before."""
@@ -224,8 +226,7 @@ def main():
     arguments.add_argument("--records", help="file for the records of the stream")
     arguments.add_argument("--heads", action="store_true")
     asked = arguments.parse_args()
-    out = open(asked.records, "w", encoding="ascii") if asked.records else None
-    reader = Reader(asked.key, out)
+    reader = Reader(asked.key, open(asked.records, "w", encoding="ascii") if asked.records else None)
     result = {"file": asked.file, "state": "tampered", "where": None}
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -235,13 +236,10 @@ def main():
             result["where"] = str(found)
         except (ValueError, KeyError, TypeError) as error:
             result["where"] = f"entry {reader.seq}: not as the page tells: {error!r}"
-    if out:
-        out.close()
     result.update(reader.result, end=reader.end, head=reader.head.hex())
     if asked.heads:
         result["heads"] = reader.heads
-    json.dump(result, sys.stdout, ensure_ascii=False)
-    print()
+    print(json.dumps(result, ensure_ascii=False))
     return 1 if result["state"] == "tampered" else 0
 
 
