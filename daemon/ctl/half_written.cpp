@@ -1,6 +1,6 @@
 #include "daemon/ctl/half_written.hpp"
 
-#include <csignal>
+#include <cstddef>
 
 namespace dwell::ctl {
 namespace {
@@ -9,25 +9,22 @@ volatile std::sig_atomic_t came = 0;
 
 void note(int signal) { came = signal; }
 
-void handle(void (*how)(int)) {
-  struct sigaction action {};
-  action.sa_handler = how;
-  action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM}) {
-    struct sigaction now {};
-    // Whoever starts a program with a signal ignored wants it ignored.
-    if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
-  }
-}
-
 }  // namespace
 
 HalfWritten::HalfWritten() {
   came = 0;
-  handle(note);
+  struct sigaction noted {};
+  noted.sa_handler = note;
+  noted.sa_flags = SA_RESTART;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    ::sigaction(kSignals[i], nullptr, &before_[i]);
+    if (before_[i].sa_handler != SIG_IGN) ::sigaction(kSignals[i], &noted, nullptr);
+  }
 }
 
-HalfWritten::~HalfWritten() { handle(SIG_DFL); }
+HalfWritten::~HalfWritten() {
+  for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &before_[i], nullptr);
+}
 
 void HalfWritten::check() {
   if (came != 0) throw AskedToEnd{came};

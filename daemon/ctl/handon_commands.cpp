@@ -117,7 +117,6 @@ Result<Written> write_uff(Selection& selection, const Provenance& from, const Ex
 // Throws AskedToEnd.
 Result<Written> write(Selection& selection, const Provenance& from, const ExportRunOptions& options) {
   ProgressBar bar("exporting");
-  const HalfWritten half_written;
   const Progress progress = [&bar](double part) {
     HalfWritten::check();
     bar.show(part);
@@ -140,8 +139,11 @@ void tell(const ExportRunOptions& options, const Written& written, const Provena
 }
 
 Result<Written> write_or_end(Selection& selection, const Provenance& from, const ExportRunOptions& options) {
+  const HalfWritten half_written;
   try {
-    return write(selection, from, options);
+    auto written = write(selection, from, options);
+    HalfWritten::check();
+    return written;
   } catch (const AskedToEnd& asked) {
     end_by(asked);
     return tl::make_unexpected(options.output + ": was not written: asked to end");
@@ -170,10 +172,13 @@ int export_run(const ExportRunOptions& options) {
     from.head = audit->head;
     from.audit = handon::audit_line(*audit);
     if (audit->state == record::AuditState::tampered) {
-      const auto readable = Selection::open(options.file, {});
-      tell_error(options.file + ": " + from.audit + "; nothing was exported" +
-                 (readable ? ". --unchecked exports it without an audit" : ", and it cannot be read as a run"));
-      return readable ? kNo : kUsage;
+      const std::string refused = options.file + ": " + from.audit + "; nothing was exported";
+      if (!Selection::open(options.file, {})) {
+        tell_error(refused + ", and it cannot be read as a run");
+        return kUsage;
+      }
+      tell_error(refused + ". --unchecked exports it without an audit");
+      return kNo;
     }
   }
   auto selection = Selection::open(options.file, options.range);

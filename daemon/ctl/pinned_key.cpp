@@ -15,11 +15,12 @@ record::Result<void> add_keys_of(record::BoundedLines& lines, const std::string&
     ++number;
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
     if (line.empty() || line.front() == '#') continue;
+    if (lines.cut()) return tl::make_unexpected(path + ":" + std::to_string(number) + ": is too long for a key");
     auto key = record::PublicKey::parse(line);
     if (!key) return tl::make_unexpected(path + ":" + std::to_string(number) + ": " + key.error());
     keys.push_back(std::move(*key));
   }
-  if (auto whole = lines.whole(); !whole) return whole;
+  if (auto ended = lines.ended(); !ended) return ended;
   if (keys.size() == before) return tl::make_unexpected(path + ": holds no key; expected vkeys, one a line");
   return {};
 }
@@ -29,7 +30,7 @@ record::Result<void> add_keys_of(record::BoundedLines& lines, const std::string&
 record::Result<std::vector<record::PublicKey>> pinned_keys(const std::vector<std::string>& asked) {
   std::vector<record::PublicKey> keys;
   for (const std::string& one : asked) {
-    record::BoundedLines lines(one, kMostBytes);
+    record::BoundedLines lines(one, kMostBytes, "keys");
     if (lines.is_open()) {
       if (auto added = add_keys_of(lines, one, keys); !added) return tl::make_unexpected(added.error());
       continue;

@@ -84,9 +84,11 @@ tl::expected<Json, Refusal> enter(const Service& service, const std::string& fil
 // answers is no failure, for the file may lie anywhere: the output says whether the ledger knows the signature.
 int sign_with_own_key(const Service& service, const SignOptions& options) {
   const auto key = record::SigningKey::load(options.key);
-  std::error_code none;
-  const bool is_there = std::filesystem::exists(options.key, none);
-  if (!key) return refuse(kUsage, "--key: " + key.error() + (is_there ? "" : "; dwellctl keygen makes one"));
+  if (!key) {
+    std::error_code none;
+    const bool is_there = std::filesystem::exists(options.key, none);
+    return refuse(kUsage, "--key: " + key.error() + (is_there ? "" : "; dwellctl keygen makes one"));
+  }
   record::PersonalSignature words;
   words.name = options.name.empty() ? own_name() : options.name;
   if (words.name.empty()) return refuse(kUsage, "the system does not know who you are: expected --name");
@@ -95,10 +97,11 @@ int sign_with_own_key(const Service& service, const SignOptions& options) {
   words.utc = record::iso_utc(utc_now_ns());
   const auto signature = record::sign_by_own_key(options.file, std::move(words), *key);
   if (!signature) return refuse(kUsage, signature.error());
-  const auto entered = enter(service, options.file);
   const auto reader = record::RunReader::open(options.file);
   const bool child = reader && reader->header().is_child();
-  const std::string why = entered ? "" : child ? "no ledger knows child files" : entered.error().why;
+  const auto entered =
+      child ? tl::unexpected(Refusal{kNo, "no ledger knows child files"}) : enter(service, options.file);
+  const std::string why = entered ? "" : entered.error().why;
   return print(
       Json{{"signature", Json::parse(to_json(*signature))},
            {"in_ledger", entered.has_value()},
@@ -131,6 +134,9 @@ int sign_through_service(const Service& service, const SignOptions& options) {
                                                 {"name", options.name},
                                                 {"meaning", options.meaning},
                                                 {"reason", options.reason}});
+  std::error_code none;
+  if (!answer && answer.error().code == kNo && !std::filesystem::exists(options.file, none) && !none)
+    return refuse(kUsage, options.file + ": No such file or directory");
   if (!answer)
     return refuse(answer.error().code,
                   answer.error().why + (answer.error().code == kUnreachable
@@ -147,13 +153,6 @@ int sign_through_service(const Service& service, const SignOptions& options) {
 }  // namespace
 
 int sign(const Service& service, const SignOptions& options) {
-  // A file that only the service may read is the service's to judge.
-  std::error_code failed;
-  const auto type = std::filesystem::status(options.file, failed).type();
-  if (type == std::filesystem::file_type::not_found)
-    return refuse(kUsage, options.file + ": No such file or directory");
-  if (!failed && type != std::filesystem::file_type::regular)
-    return refuse(kUsage, options.file + ": is no regular file");
   if (options.enter) return enter_signatures(service, options);
   if (options.meaning.empty()) return refuse(kUsage, "expected --meaning, for instance \"reviewed\", or --enter");
   if (options.key.empty()) return sign_through_service(service, options);

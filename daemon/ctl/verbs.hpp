@@ -38,8 +38,8 @@ class Verbs {
   }
 
  private:
-  // The first option that was given without a letter, as by a shell variable that is not set; null: none. CLI11 takes
-  // an empty number for one that was not given. A text for the record may be empty.
+  // The first option whose value is an empty text, as of a shell variable that is not set; null: none. CLI11 would take
+  // an empty number for none. A text for the record may be empty.
   static const CLI::Option* empty_one(const CLI::App& verb) {
     for (const CLI::Option* option : verb.get_options()) {
       const std::string name = option->get_name();

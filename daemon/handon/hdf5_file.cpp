@@ -1,5 +1,7 @@
 #include "daemon/handon/hdf5_file.hpp"
 
+#include <cstdlib>
+
 namespace dwell::handon {
 namespace {
 
@@ -21,12 +23,13 @@ const char* up_to_zero(const std::string& text) { return text.c_str(); }
 Hdf5Id hdf5_create(const std::string& path) {
   // Where a file could not be closed, as on a full disk, the library crashes when it tidies up at the program's end.
   (void)H5dont_atexit();
+  // OutputFile has locked it, and the library's own lock would be refused.
+  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
   // We report errors; the library must not print them.
   hdf5_check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), "H5Eset_auto2");
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), "H5Pcreate");
   // Readable by HDF5 1.8 and later.
   hdf5_check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18), "H5Pset_libver_bounds");
-  hdf5_check(H5Pset_file_locking(access.get(), false, true), "H5Pset_file_locking");
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), "H5Fcreate"};
 }
 

@@ -67,9 +67,9 @@ bool give_name(const std::string& from, const std::string& to, bool overwrite) {
   return true;
 }
 
-// false: another program has it. That may have given it its name meanwhile, so `part` must still lead to it. File
-// systems without locks count as free.
-bool lock(const record::OpenFile& file, const std::string& part) {
+// false: it is being written elsewhere. The other writer may already have renamed the file that was opened here, so
+// `part` must still be that file. Where a file system knows no locks, it counts as free.
+bool take_part(const record::OpenFile& file, const std::string& part) {
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
   struct stat own {
   }, there{};
@@ -115,7 +115,7 @@ record::Result<OutputFile> OutputFile::create(const Target& target) {
     const std::string reason = file.error().substr(part.size() + 2);
     return tl::make_unexpected(target.path + ": cannot be written: " + reason);
   }
-  if (!lock(*file, part)) return tl::make_unexpected(target.path + ": another program is writing it now");
+  if (!take_part(*file, part)) return tl::make_unexpected(target.path + ": is being written already");
   if (::ftruncate(file->get(), 0) != 0) return tl::make_unexpected(target.path + ": cannot be written: " + why());
   return OutputFile(target, std::move(part), std::move(*file));
 }

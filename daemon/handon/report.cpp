@@ -126,7 +126,8 @@ std::string front(const Selection& selection, const RunStory& story, const recor
   html += html_paragraph("File as found when this report was made: " + audit_line(audit),
                          std::string("state ") + state_class(audit));
   if (!story.unreadable.empty()) {
-    html += html_paragraph("Parts of the file cannot be read; this page holds what stands before them:");
+    html += html_paragraph(
+        "Parts of the file cannot be read. Readings, dwells, events or signatures below may be incomplete:");
     html += html_list(story.unreadable, "alarm");
   }
   if (audit.state != record::AuditState::tampered && !audit.trusted)

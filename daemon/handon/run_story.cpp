@@ -67,7 +67,8 @@ Result<void> read_dwells(Selection& selection, RunStory& story, std::size_t& roo
 RunStory tell_run(Selection& selection, const Progress& progress) {
   RunStory story;
   const auto note = [&story](const auto& read) {
-    if (!read) story.unreadable.push_back(read.error());
+    if (!read && std::find(story.unreadable.begin(), story.unreadable.end(), read.error()) == story.unreadable.end())
+      story.unreadable.push_back(read.error());
   };
   note(read_stream(selection, story, progress));
   std::size_t room = RunStory::kStoredBytes;

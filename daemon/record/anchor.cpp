@@ -17,8 +17,8 @@
 namespace dwell::record {
 namespace {
 
-// Of a file of anchors: a year of one a minute is 90 MB. A larger one is the journal of much else.
-constexpr std::size_t kMostBytes = 256'000'000;
+// Of a file of anchors: ten years of two a minute are 2 GB.
+constexpr std::size_t kMostBytes = 4'000'000'000;
 constexpr std::string_view kMark = "anchor:";  // the first word of the log's line
 
 // Position of the origin, which follows a space; npos: there is none.
@@ -88,7 +88,7 @@ std::string to_line(const Anchor& anchor) {
 }
 
 Result<Anchors> read_anchors(const std::string& path) {
-  BoundedLines lines(path, kMostBytes);
+  BoundedLines lines(path, kMostBytes, "anchors");
   if (!lines.is_open() || std::filesystem::is_directory(path))
     return tl::unexpected(path + ": cannot be read: " + std::strerror(lines.is_open() ? EISDIR : errno));
   Anchors anchors;
@@ -100,7 +100,7 @@ Result<Anchors> read_anchors(const std::string& path) {
     else
       ++anchors.skipped;
   }
-  if (auto whole = lines.whole(); !whole) return tl::unexpected(whole.error());
+  if (auto ended = lines.ended(); !ended) return tl::unexpected(ended.error());
   if (anchors.all.empty())
     return tl::unexpected(path +
                           ": no anchor in it; expected lines \"UTC dwell/run/ID NUMBER HEAD\", or the output of " +

@@ -350,8 +350,7 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
   // Somebody else may have written since the chain was followed.
   const std::string now =
       first_text(impl->database.get(), "SELECT seq || ' ' || lower(hex(head)) FROM entry ORDER BY seq DESC LIMIT 1");
-  if (now.empty() && sqlite3_errcode(impl->database.get()) != SQLITE_DONE)
-    return fails(sqlite_error(impl->database.get(), path));
+  if (now.empty() && tail->seq != 0) return fails(sqlite_error(impl->database.get(), path));
   if (now != (tail->seq == 0 ? "" : std::to_string(tail->seq) + " " + hex(tail->head)))
     return fails(path + ": somebody else has just written to it; try again");
   return ChainWriter(std::move(impl));

@@ -22,8 +22,8 @@ class PreparedRuns {
   PreparedRuns(const PreparedRuns&) = delete;
   PreparedRuns& operator=(const PreparedRuns&) = delete;
 
-  // A run takes two waits at least, for its beginning and its end. So as a run begins whose third successor's file is
-  // then made, that file is there before the third successor begins, however quickly runs follow each other.
+  // Making a file takes four waits. That of run N + 3 is begun when N has begun. Before N + 3 begins, five waits pass:
+  // for the end of N, and for beginning and end of N + 1 and N + 2. With 2, only three would pass.
   static constexpr std::int64_t kAhead = 3;
 
   // Makes the files of this run and of those after it, kAhead in all, unless they are there or being made. Removes all

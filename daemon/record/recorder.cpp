@@ -200,6 +200,7 @@ struct Recorder::Impl {
   }
 
   void tell_loss(std::uint64_t lost) {
+    log.caught_up();
     StoredEvent event;
     event.what = "loss";
     event.text =

@@ -98,7 +98,7 @@ void RunLog::request(Request request) {
 }
 
 void RunLog::take_labels() {
-  if (!run_ || !run_->ending.empty()) return;
+  if (!run_ || !first_.empty() || !run_->ending.empty()) return;
   while (auto label = labels_.next()) relabel(std::move(*label));
 }
 
@@ -285,13 +285,14 @@ void RunLog::begin_file(std::vector<NewEntry> more) {
   if (auto begun = store_.begin(run_->header, run_->first_t_ns, batch); !begun) {
     keep_label(run_->label, run_->header.comment);
     run_.reset();
-    notes_.clear();
+    notes_.clear();  // of the run that is not there
     told_by_stream_ = {};
     return stop(begun.error());
   }
   run_->committed_ns = now_.raw_ns;
   for (const NewEntry& entry : batch) run_->bytes += entry.body.size();
   interruption_.over();
+  take_labels();
   options_.tell(
       {Notice::Grade::info, "recording " + named(*run_) + ", begun by " + run_->header.begun_by, run_->header.run, {}});
 }

@@ -88,10 +88,10 @@ class RunLog {
   void keep_label(std::string label, std::string comment) {
     interruption_.keep_label(std::move(label), std::move(comment));
   }
-  // The stream was read to its end. Writes the file of a run that has begun: until then, what came after the beginning
-  // goes into its first batch, so it needs no wait for the disk of its own. Call it after each turn.
+  // Call it after each turn, once the stream is read to its end. Makes the file of a run that has begun, unless a block
+  // was completed since. Such a block goes into the first batch, which saves one wait for the disk.
   void caught_up() {
-    if (run_ && !first_.empty()) begin_file({});
+    if (!first_.empty()) begin_file({});
   }
   // See Interruption::goes_on().
   void goes_on() noexcept { interruption_.goes_on(now_.raw_ns); }

@@ -187,8 +187,6 @@ TEST_F(RecordVerbs, UnusableInputIsOneLineAndExitCode2) {
                                                 {"runs", folder.path("none")},
                                                 {"runs", ""},
                                                 {"sign", run},
-                                                {"sign", folder.path("none.dwell"), "--meaning", "reviewed"},
-                                                {"sign", folder.path(""), "--meaning", "reviewed"},
                                                 {"identify", folder.path("none.dwell")},
                                                 {"verify", folder.path("none.dwell")},
                                                 {"sign", run, "--meaning", "reviewed", "--key", folder.path("none")}}) {

@@ -196,7 +196,8 @@ TEST_F(SignVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
         std::string(64, 'a') +
         R"(","person":{"uid":1000,"name":"anna"}}})"
         "\n"},
-       {"{\"error\":\"/var/lib/dwell/run.dwell: the run has not ended\"}\n"}},
+       {"{\"error\":\"/var/lib/dwell/run.dwell: the run has not ended\"}\n"},
+       {"{\"error\":\"/none.dwell: is not in the recording directory\"}\n"}},
       control);
   const std::string file = std::filesystem::relative(folder.file("run.dwell", "the service's")).string();
   const std::vector<std::string> command{"sign", file, "--meaning", "reviewed", "--control", control};
@@ -212,6 +213,10 @@ TEST_F(SignVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
   const Outcome refused = test::run(command);
   EXPECT_EQ(refused.code, 1);
   EXPECT_TRUE(holds(refused.err, "has not ended")) << refused.err;
+  const std::string none = folder.path("none.dwell");
+  const Outcome missing = test::run({"sign", none, "--meaning", "reviewed", "--control", control});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_TRUE(holds(missing.err, none + ": No such file or directory")) << missing.err;
 }
 
 }  // namespace

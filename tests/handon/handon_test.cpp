@@ -157,14 +157,14 @@ TEST(HandedOn, WhoStopsAmidAnExportLeavesNoFile) {
   EXPECT_FALSE(std::filesystem::exists(scratch.path("o")) || std::filesystem::exists(scratch.path("o.part")));
 }
 
-TEST(HandedOn, TwoProgramsDoNotWriteOneFileAtATime) {
+TEST(HandedOn, TwoWritersDoNotWriteOneFileAtATime) {
   const record::Scratch scratch;
   auto one = handon::OutputFile::create(scratch.path("o"));
   ASSERT_TRUE(one) << one.error();
   one->write("one");
   const auto other = handon::OutputFile::create(scratch.path("o"));
   ASSERT_FALSE(other);
-  EXPECT_EQ(other.error(), scratch.path("o") + ": another program is writing it now");
+  EXPECT_EQ(other.error(), scratch.path("o") + ": is being written already");
   ASSERT_TRUE(one->keep());
   EXPECT_EQ(record::Scratch::read(scratch.path("o")), "one");
   EXPECT_TRUE(handon::OutputFile::create({scratch.path("o"), true})) << "it is done";

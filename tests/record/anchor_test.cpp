@@ -72,18 +72,14 @@ TEST(Anchor, ALineThatIsNoneIsCountedAndTakesNoOtherAway) {
   }
 }
 
-// A line of 10 MB is passed over; a file of more than 256 MB is not read to its end.
-TEST(Anchor, AFileOfZerosTakesNoMemoryAndIsRefused) {
+TEST(Anchor, LongLinesAndZerosBesideItArePassedOver) {
   const Scratch scratch;
   const std::string anchor = "2026-11-23T00:00:00Z dwell/run/0 7 " + std::string(43, 'A') + "=\n";
-  const auto found = read_anchors(scratch.write("long", std::string(10'000'000, 'x') + "\n" + anchor));
+  const std::string path = scratch.write("long", std::string(10'000'000, 'x') + "\n" + anchor);
+  std::filesystem::resize_file(path, 100'000'000);
+  const auto found = read_anchors(path);
   ASSERT_TRUE(found) << found.error();
   EXPECT_EQ(found->all.size(), 1U);
-  const std::string zeros = scratch.write("zeros", anchor);
-  std::filesystem::resize_file(zeros, 300'000'000);
-  const auto refused = read_anchors(zeros);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error(), zeros + ": is too large to be what is expected there");
 }
 
 TEST(Anchor, AFileWithoutAnyIsRefused) {

@@ -265,6 +265,18 @@ TEST(ChainFile, AClosedFileCanBeAppendedTo) {
   EXPECT_EQ(contents(scratch.path()).size(), 1u);
 }
 
+// A crash between the making of a ledger and its first entry leaves such a file.
+TEST(ChainFile, OneWithoutAnEntryIsAppendedTo) {
+  const Scratch scratch;
+  const std::string path = scratch.path("a.dwell");
+  { ASSERT_TRUE(ChainWriter::create(path, ChainSort::run, kOrigin, service_key())); }
+  Result<ChainWriter> writer = ChainWriter::open(path, ChainSort::run, kOrigin, service_key());
+  ASSERT_TRUE(writer) << writer.error();
+  ASSERT_TRUE(writer->append("event", 1, "{}"));
+  EXPECT_TRUE(writer->commit());
+  EXPECT_EQ(writer->committed(), 1);
+}
+
 TEST(ChainFile, WhatIsNotOnesOwnIsNotAppendedTo) {
   const Scratch scratch;
   const std::string path = scratch.path("a.dwell");

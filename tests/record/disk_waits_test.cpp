@@ -196,8 +196,8 @@ TEST(DiskWaits, OfTheRecordersThreadAreOneForABatchAndOneForTheBeginningOrTheEnd
   }
 }
 
-// At the beginning the ledger's entry and the name of the file, two, and a file for a later run, four; at the end the
-// ledger's entry, and the logs that go into the files.
+// At the beginning two for the ledger's entry and the name of the file, and four for the file of a later run. At the
+// end five: the ledger's entry, and the logs that go into the files.
 TEST(DiskWaits, OfOtherThreadsAreSixForTheBeginningAndFiveForTheEnd) {
   const Scratch scratch;
   RunFolder folder(folder_options(scratch.path()));

@@ -331,6 +331,46 @@ TEST_F(RunLogTest, TheLastBlockOfARunDoesNotWaitLongForARecordThatNeverComes) {
   EXPECT_TRUE(store.runs[0].closed);
 }
 
+TEST_F(RunLogTest, WhatCameWhileItWasBehindIsInTheRunsFirstBatch) {
+  behind = true;
+  stream.starts();
+  stream.play(0.5);
+  EXPECT_TRUE(store.runs.empty());
+  stream.play(1.0);
+  ASSERT_EQ(store.runs.size(), 1U) << "with the first block that is complete";
+  EXPECT_EQ(store.commits, 0);
+  log.caught_up();
+  stream.play(1.0);
+  EXPECT_EQ(store.commits, 1);
+  stream.ends();
+  log.finish();
+  expect_stream(store.runs[0], 0, handed.size());
+}
+
+TEST_F(RunLogTest, ARunThatCannotBeginWhileItIsBehindLeavesItsLabelsToTheNext) {
+  behind = true;
+  store.full = true;
+  stream.starts();
+  Request label;
+  label.label = "warm";
+  log.request(label);
+  log.event({});
+  stream.play(1.2);
+  log.caught_up();
+  EXPECT_EQ(log.progress(), nullptr);
+  EXPECT_EQ(log.stopped(), "disk full");
+  store.full = false;
+  behind = false;
+  stream.ends();
+  stream.starts();
+  stream.play(1.2);
+  ASSERT_EQ(store.runs.size(), 1U);
+  ASSERT_NE(log.progress(), nullptr);
+  EXPECT_EQ(log.progress()->label, "warm");
+  log.finish();
+  EXPECT_EQ(events_of(store.runs[0]).size(), 1U) << "the label; what happened in the run that is not there is in none";
+}
+
 TEST_F(RunLogTest, TheEndOfTheServiceEndsTheRun) {
   stream.starts();
   stream.play(2.5);
