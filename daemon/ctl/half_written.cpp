@@ -1,5 +1,7 @@
 #include "daemon/ctl/half_written.hpp"
 
+#include <unistd.h>
+
 #include <cstddef>
 
 namespace dwell::ctl {
@@ -33,6 +35,7 @@ void HalfWritten::check() {
 void end_by(const AskedToEnd& asked) {
   std::signal(asked.signal, SIG_DFL);
   std::raise(asked.signal);
+  _exit(128 + asked.signal);  // the signal is blocked: the code that a shell gives to a program it has ended
 }
 
 }  // namespace dwell::ctl

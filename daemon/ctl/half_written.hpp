@@ -29,6 +29,6 @@ class HalfWritten {
 };
 
 // Ends the program as the signal would have ended it.
-void end_by(const AskedToEnd& asked);
+[[noreturn]] void end_by(const AskedToEnd& asked);
 
 }  // namespace dwell::ctl

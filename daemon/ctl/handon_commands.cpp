@@ -138,6 +138,7 @@ void tell(const ExportRunOptions& options, const Written& written, const Provena
               static_cast<unsigned long long>(written.samples), printable(written.more).c_str());
 }
 
+// Ends the program where it was asked to end meanwhile.
 Result<Written> write_or_end(Selection& selection, const Provenance& from, const ExportRunOptions& options) {
   const HalfWritten half_written;
   try {
@@ -146,7 +147,6 @@ Result<Written> write_or_end(Selection& selection, const Provenance& from, const
     return written;
   } catch (const AskedToEnd& asked) {
     end_by(asked);
-    return tl::make_unexpected(options.output + ": was not written: asked to end");
   }
 }
 

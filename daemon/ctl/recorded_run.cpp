@@ -1,6 +1,8 @@
 #include "daemon/ctl/recorded_run.hpp"
 
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/run_source.hpp"
@@ -37,7 +39,6 @@ tl::expected<RecordedRun, int> RecordedRun::load(const std::string& rig, const s
 }
 
 tl::expected<RecordedRun, int> RecordedRun::from_csv(const std::string& rig, const std::string& data) {
-  // A pipe is read as text.
   std::error_code failed;
   (void)std::filesystem::status(data, failed);
   if (failed) return unusable(data + ": " + failed.message());

@@ -8,6 +8,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "core/base/printable.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/control_client.hpp"

@@ -17,12 +17,12 @@ class BoundedLines {
   // Letters of a line. Of a longer one the rest is left out, and cut() says so.
   static constexpr std::size_t kLine = 4096;
 
-  // most: bytes of the file. what: the file is of these, for messages: "anchors".
+  // most: bytes of the file. what: what is expected in it, for messages: "anchors".
   BoundedLines(const std::string& path, std::size_t most, const char* what)
       : path_(path), most_(most), what_(what), file_(path, std::ios::binary), left_(most) {}
 
   [[nodiscard]] bool is_open() const { return file_.is_open(); }
-  // The next line without its end; false: there is none, the file cannot be read, or it has more bytes than allowed.
+  // The next line without its newline; false: there is none, the file cannot be read, or it has more than `most` bytes.
   [[nodiscard]] bool next(std::string& line) {
     line.clear();
     cut_ = false;
@@ -50,8 +50,7 @@ class BoundedLines {
   [[nodiscard]] Result<void> ended() const {
     if (failed_) return tl::unexpected(path_ + ": cannot be read to its end");
     if (!too_large_) return {};
-    return tl::unexpected(path_ + ": has more than " + std::to_string(most_ / 1'000'000) + " MB; expected a file of " +
-                          what_);
+    return tl::unexpected(path_ + ": has more than " + std::to_string(most_) + " bytes; expected a file of " + what_);
   }
 
  private:

@@ -278,14 +278,14 @@ void RunLog::begin(const Record& edge) {
   note_request(edge);
 }
 
-// With `more` in the same batch.
+// Makes the file of the run, with its first entries and `more` in one batch. If that fails, there is no run.
 void RunLog::begin_file(std::vector<NewEntry> more) {
   std::vector<NewEntry> batch = std::exchange(first_, {});
   std::move(more.begin(), more.end(), std::back_inserter(batch));
   if (auto begun = store_.begin(run_->header, run_->first_t_ns, batch); !begun) {
     keep_label(run_->label, run_->header.comment);
     run_.reset();
-    notes_.clear();  // of the run that is not there
+    notes_.clear();
     told_by_stream_ = {};
     return stop(begun.error());
   }

@@ -211,8 +211,8 @@ TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundAndWhatItCostsIsKnown) {
       EXPECT_GT(pile_up.above(seen(narrow)), 0) << "cut off at " << end;
       EXPECT_EQ(pile_up.upper_end(seen(narrow)), end);
       EXPECT_EQ(pile_up.below(seen(narrow)), 0);
-      // Clipping lasts for half of the hold. So the fundamental loses half of what clipping throughout would cost it.
-      // Clipped readings before the first stretch that shows the clipping are not counted.
+      // Half of the hold is clipped, so the fundamental is reduced by half as much as in a hold that is clipped
+      // throughout. loss() counts clipped readings from the first stretch on that shows clipping.
       const double half = 0.5 * lost_fundamental(end);
       play(pile_up, narrow, 488.0, 3);
       EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half) << end;  // noise puts 5 % more readings at the end

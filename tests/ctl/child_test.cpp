@@ -128,6 +128,24 @@ void forge_child(const std::string& child, const std::string& forged, const reco
   ASSERT_TRUE(file->finish(1, *reader->end()));
 }
 
+TEST_F(ChildTest, NobodyIsAdvisedToEnterTheSignatureUnderAChildIntoALedger) {
+  const std::string child = folder.path("child.dwell"), key = folder.path("key");
+  ASSERT_EQ(make_child(write("run.dwell"), bench().rig_text(1.002), child).code, kDone);
+  ASSERT_TRUE(record::SigningKey::make("anna")->save(key));
+  Service nowhere;
+  nowhere.control = folder.path("none");
+  SignOptions options;
+  options.file = child;
+  options.meaning = "reviewed";
+  options.name = "Anna";
+  options.key = key;
+  const Printed signed_child = printed([&] { return sign(nowhere, options); });
+  EXPECT_EQ(signed_child.code, kDone) << signed_child.err;
+  EXPECT_NE(signed_child.out.find("not in the ledger: no ledger knows child files\n"), std::string::npos)
+      << signed_child.out;
+  EXPECT_EQ(signed_child.out.find("--enter"), std::string::npos) << signed_child.out;
+}
+
 TEST_F(ChildTest, AChildIsComparedWithItsParent) {
   const std::string parent = write("run.dwell"), child = folder.path("child.dwell");
   ASSERT_EQ(make_child(parent, bench().rig_text(1.002), child).code, kDone);

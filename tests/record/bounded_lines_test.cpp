@@ -48,7 +48,7 @@ TEST(BoundedLines, EndWhereTheFileIsTooLarge) {
   EXPECT_EQ(lines_of(just).size(), 1U);
   EXPECT_TRUE(just.ended());
   EXPECT_TRUE(lines_of(less).empty());
-  EXPECT_EQ(less.ended().error(), path + ": has more than 0 MB; expected a file of words");
+  EXPECT_EQ(less.ended().error(), path + ": has more than 3000 bytes; expected a file of words");
 }
 
 TEST(BoundedLines, OfWhatCannotBeReadAreNoEmptyFile) {

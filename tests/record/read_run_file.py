@@ -236,6 +236,8 @@ def main():
             result["where"] = str(found)
         except (ValueError, KeyError, TypeError) as error:
             result["where"] = f"entry {reader.seq}: not as the page tells: {error!r}"
+    if reader.out:
+        reader.out.close()
     result.update(reader.result, end=reader.end, head=reader.head.hex())
     if asked.heads:
         result["heads"] = reader.heads
