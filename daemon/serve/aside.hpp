@@ -25,9 +25,11 @@ class Aside {
   Aside(const Aside&) = delete;
   Aside& operator=(const Aside&) = delete;
 
-  // Does `work`, which must not throw and owns what it uses, then `then` with its outcome on the loop.
+  // Does `work`, which must not throw and owns what it uses, then `then` with its outcome on the loop. After close()
+  // both are dropped at once: kept, a `then` that holds the owner of this would keep both for ever.
   template <class Work, class Then>
   void ask(Work work, Then then) {
+    if (shared_->loop == nullptr) return;
     using Outcome = decltype(work());
     const std::uint64_t number = next_++;
     shared_->waiting.emplace(
@@ -58,7 +60,7 @@ class Aside {
   // Outlives this where the thread hangs.
   struct Shared {
     std::mutex mutex;
-    EventLoop* loop = nullptr;  // null: this is gone
+    EventLoop* loop = nullptr;  // null: closed. Changed by the loop's thread alone, which reads it without the lock
     // What waits for an outcome, by number. Used by the loop's thread alone: what it holds must not be destroyed on
     // another one.
     std::map<std::uint64_t, std::function<void(void*)>> waiting;

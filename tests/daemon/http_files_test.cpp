@@ -3,9 +3,12 @@
 
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "daemon/serve/aside.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "tests/daemon/http_server_fixture.hpp"
 #include "tests/daemon/sockets.hpp"
@@ -166,6 +169,17 @@ TEST_F(HttpFilesTest, AServerThatEndsWhileAFileIsOnItsWayLeavesNothingBehind) {
     return 0;
   });
   EXPECT_LT(client.all().size(), 30'000'000u);
+}
+
+// A piece that was written while the server ended asks for the next one after it.
+TEST(Aside, WhatIsAskedForAfterTheEndIsDroppedAtOnce) {
+  EventLoop loop;
+  Aside aside(loop, "test");
+  aside.close();
+  auto held = std::make_shared<int>(0);
+  const std::weak_ptr<int> seen = held;
+  aside.ask([] { return 0; }, [held = std::move(held)](int) {});
+  EXPECT_TRUE(seen.expired());
 }
 
 }  // namespace
