@@ -1,5 +1,5 @@
 // The first line: state in word, shape and colour, and what an operator asks next.
-import { h, keyed, readable, s, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, instantText } from './number.mjs';
 import { frequencyText, limitsText, modelOf, playsRecording, runFact, sinceMs, stateOf, troubles, warningsText } from './wording.mjs';
 
@@ -76,7 +76,7 @@ export function showHead(view) {
   const list = troubles(view);
   const rig = view.health?.rig ?? 'Dwell';
   setText($('rig'), rig);
-  document.title = readable(`${state.age ? 'last seen: ' : ''}${state.word} · ${rig}`);
+  setText(document.querySelector('title'), `${state.age ? 'last seen: ' : ''}${state.word} · ${rig}`);
   setAttributes($('state'), { 'data-tone': state.tone, 'data-kind': state.kind });
   showShape(state.doubted ? 'fault' : state.kind);
   setText($('word'), state.word);
