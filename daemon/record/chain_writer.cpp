@@ -56,7 +56,9 @@ Database open_database(const std::string& path, int flags) {
   return Database(opened);
 }
 
-// Waits until what `path`, a file or a directory, holds now survives a loss of power. errno says why not.
+// Waits until what `path`, a file or a directory, holds now survives a loss of power. errno says why not. Not for a
+// file that SQLite has open: closing any descriptor of it takes away all locks that this process has on it (fcntl(2)),
+// and another process could write as well.
 bool synchronize(const std::string& path, int flags = 0) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
   if (file < 0) return false;
@@ -205,6 +207,18 @@ struct ChainWriter::Impl {
     return sqlite3_wal_checkpoint_v2(database.get(), nullptr, mode, nullptr, nullptr) == SQLITE_OK;
   }
 
+  // Waits until what the database's file holds now survives a loss of power: through SQLite's own descriptor, see
+  // above.
+  [[nodiscard]] Result<void> synchronize_database() {
+    sqlite3_file* file = nullptr;
+    if (sqlite3_file_control(database.get(), "main", SQLITE_FCNTL_FILE_POINTER, &file) != SQLITE_OK)
+      return fails(sqlite_error(database.get(), path));
+    if (file->pMethods->xSync(file, SQLITE_SYNC_NORMAL) == SQLITE_OK) return {};
+    int error = 0;
+    (void)sqlite3_file_control(database.get(), "main", SQLITE_FCNTL_LAST_ERRNO, &error);
+    return fails(path + ": " + std::strerror(error));
+  }
+
   // Moves the log into the database if it is long enough and nobody reads. If the pages cannot be copied, that only
   // costs room: the committed entries are in the log, and the next commit tries again.
   //
@@ -218,8 +232,8 @@ struct ChainWriter::Impl {
       if (Result<OpenFile> opened = open_regular(path + "-wal")) wal_file = std::move(*opened);
     const bool alone = wal_file && ::flock(wal_file.get(), LOCK_EX | LOCK_NB) == 0;
     if ((alone || frames >= kMostFrames) && execute(database.get(), kNoWaits) && move_log(SQLITE_CHECKPOINT_FULL)) {
-      if (!synchronize(path)) {
-        broken = path + ": " + std::strerror(errno);
+      if (const auto safe = synchronize_database(); !safe) {
+        broken = safe.error();
       } else if (move_log(SQLITE_CHECKPOINT_TRUNCATE)) {
         frames = 0;
         stale_log = false;
@@ -250,8 +264,9 @@ struct ChainWriter::Impl {
   Result<void> leave_log() {
     if (!execute(database.get(), kNoWaits) || !move_log(SQLITE_CHECKPOINT_FULL))
       return fails(sqlite_error(database.get(), path));
+    if (auto safe = synchronize_database(); !safe) return safe;
     const std::string log = path + "-wal";
-    if (!synchronize(path) || (::unlink(log.c_str()) != 0 && errno != ENOENT) || !synchronize_directory(path))
+    if ((::unlink(log.c_str()) != 0 && errno != ENOENT) || !synchronize_directory(path))
       return fails(path + ": " + std::strerror(errno));
     if (first_text(database.get(), "PRAGMA journal_mode = MEMORY") != "memory")
       return fails(sqlite_error(database.get(), path));

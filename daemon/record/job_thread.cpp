@@ -62,11 +62,12 @@ void JobThread::run(const std::shared_ptr<Shared>& shared, const std::string& na
   for (;;) {
     shared->wake.wait(lock, [&] { return shared->stop || !shared->jobs.empty(); });
     if (shared->stop) break;
-    const auto job = std::move(shared->jobs.front());
+    auto job = std::move(shared->jobs.front());
     shared->jobs.pop_front();
     shared->busy = true;
     lock.unlock();
     job(stopping);
+    job = nullptr;  // what it owned goes without the lock: closing a file may take long
     lock.lock();
     shared->busy = false;
     if (shared->jobs.empty()) shared->idle.notify_all();

@@ -1,5 +1,7 @@
 #include "daemon/record/readiness.hpp"
 
+#include <algorithm>
+
 namespace dwell::record {
 
 bool Readiness::look(const ClockPair& now) {
@@ -21,7 +23,9 @@ bool Readiness::look(const ClockPair& now) {
     healed();
     return false;
   }
-  if (now.raw_ns - log_.stopped_ns() < kRetry_ns) return false;
+  // A run that was asked for begins once its record has come through the stream: until then nothing here has changed.
+  if (now.raw_ns - std::max(log_.stopped_ns(), asked_ns_) < kRetry_ns) return false;
+  asked_ns_ = now.raw_ns;
   healed();
   log_.goes_on();
   return true;

@@ -1,6 +1,7 @@
 #include "daemon/run/stop_together.hpp"
 
 #include <future>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -17,9 +18,14 @@ std::vector<std::string> stop_together(std::vector<std::shared_ptr<DeviceHost>> 
   std::vector<Stopping> all;
   for (std::shared_ptr<DeviceHost>& device : devices) {
     DeviceLink& link = device->link();
-    std::packaged_task<void()> stop([own = std::move(device)] { own->stop(); });
+    std::packaged_task<void()> stop([device] { device->stop(); });
     auto stopped = stop.get_future();
-    all.push_back({link, std::move(stopped), std::thread(std::move(stop))});
+    try {
+      all.push_back({link, std::move(stopped), std::thread(std::move(stop))});
+      device.reset();
+    } catch (const std::system_error&) {
+      device->stop();  // no thread can be begun: the others wait for this one
+    }
   }
   std::vector<std::string> left_behind;
   for (Stopping& one : all) {

@@ -31,11 +31,12 @@ class Aside {
   void ask(Work work, Then then) {
     if (shared_->loop == nullptr) return;
     using Outcome = decltype(work());
+    if (!thread_) thread_.emplace(thread_name_);
     const std::uint64_t number = next_++;
     shared_->waiting.emplace(
         number, [then = std::move(then)](void* outcome) mutable { then(std::move(*static_cast<Outcome*>(outcome))); });
-    if (!thread_) thread_.emplace(thread_name_);
-    thread_->post([shared = shared_, number, work = std::move(work)](const auto&) mutable {
+    Asked asked{*shared_, number};
+    asked.kept = thread_->post([shared = shared_, number, work = std::move(work)](const auto&) mutable {
       record::lower_priority();
       auto outcome = std::make_shared<Outcome>(work());
       const std::lock_guard lock(shared->mutex);
@@ -57,6 +58,16 @@ class Aside {
   }
 
  private:
+  // Takes the asker out again where the work was not posted: nothing would ever call or free it.
+  struct Shared;
+  struct Asked {
+    Shared& shared;
+    std::uint64_t number;
+    bool kept = false;
+    ~Asked() {
+      if (!kept) shared.waiting.erase(number);
+    }
+  };
   // Outlives this where the thread hangs.
   struct Shared {
     std::mutex mutex;

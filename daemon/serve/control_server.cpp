@@ -73,7 +73,7 @@ class Caller : public std::enable_shared_from_this<Caller> {
     server_->awaiting.erase(self);
     error_code ignored;
     socket_.close(ignored);
-    deadline_.cancel();
+    limit_no_more();
   }
 
   // Has sent a whole line.
@@ -81,21 +81,28 @@ class Caller : public std::enable_shared_from_this<Caller> {
   [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
 
  private:
+  // Asio cannot take back a handler that is queued already, so the handler compares its number with the newest wait's.
   void limit_time() {
     deadline_.expires_after(server_->options.idle_time);
-    deadline_.async_wait([weak = weak_from_this()](const error_code& error) {
+    deadline_.async_wait([weak = weak_from_this(), number = ++waits_](const error_code& error) {
       if (error) return;
-      if (const auto self = weak.lock()) self->close();
+      if (const auto self = weak.lock(); self && self->waits_ == number) self->close();
     });
+  }
+  void limit_no_more() {
+    ++waits_;
+    deadline_.cancel();
   }
 
   void received(const error_code& error, std::size_t size) {
+    if (!socket_.is_open()) return;  // closed meanwhile: the handler may be gone
     if (error == asio::error::not_found)
       return answer(R"({"error":"the request has more bytes than a line may have, which is )" +
                         std::to_string(server_->options.line_bytes) + "\"}",
                     false);
     if (error) return close();
     asked_ = true;
+    limit_no_more();
     std::string_view line(line_.data(), size - 1);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     constexpr const char* kNone = R"({"error":"the answer could not be made"})";
@@ -115,7 +122,7 @@ class Caller : public std::enable_shared_from_this<Caller> {
 
   // The server keeps this connection until the answer has come.
   void await(const std::function<void(ControlReply::Answer)>& work) {
-    deadline_.cancel();  // the answer may take its time
+    limit_no_more();  // the answer may take its time
     server_->awaiting.insert(shared_from_this());
     work([weak = weak_from_this()](std::string line) {
       if (const auto self = weak.lock()) self->answer(std::move(line), true);
@@ -137,6 +144,7 @@ class Caller : public std::enable_shared_from_this<Caller> {
   const std::shared_ptr<ControlServer::Impl> server_;
   Local::socket socket_;
   asio::steady_timer deadline_;
+  std::uint64_t waits_ = 0;  // number of the deadline's newest wait
   std::string line_;
   Peer peer_;
   const std::uint64_t number_;  // in the order of their coming

@@ -152,6 +152,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void received(const error_code& error) {
+    if (!stream_.socket().is_open()) return;  // closed meanwhile: the handler may be gone
     if (error == http::error::end_of_stream) return shut();
     if (error == http::error::header_limit)
       return answer(http_error(431, "the header fields are too large"), false, false);

@@ -1,5 +1,6 @@
 #include "daemon/record/chain_file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -237,6 +238,38 @@ TEST(ChainFile, NobodyElseWritesWhileAWriterLives) {
   int status = -1;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
+}
+
+// The file, as another process finds it. SQLite's locks are those of fcntl(2), which do not hold off their own process.
+bool locked_for_others(const std::string& path) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    const bool asked = file >= 0 && ::fcntl(file, F_GETLK, &lock) == 0;
+    ::_exit(asked && lock.l_type != F_UNLCK ? 0 : 1);
+  }
+  int status = -1;
+  return ::waitpid(child, &status, 0) == child && status == 0;
+}
+
+TEST(ChainFile, NoOtherProcessWritesEitherOnceTheLogHasMovedIntoTheFile) {
+  const Scratch scratch;
+  const std::string path = scratch.path("a.dwell");
+  Result<ChainWriter> writer = ChainWriter::create(path, ChainSort::run, kOrigin, service_key());
+  ASSERT_TRUE(writer) << writer.error();
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_TRUE(writer->append("note", k, "one")) << k;
+    ASSERT_TRUE(writer->commit()) << k;
+    EXPECT_TRUE(locked_for_others(path)) << k;
+    const Result<void> merged = writer->merge_log();
+    ASSERT_TRUE(merged) << merged.error();
+    EXPECT_TRUE(locked_for_others(path)) << "after merge " << k;
+  }
+  ASSERT_TRUE(writer->close());
+  EXPECT_FALSE(locked_for_others(path));
 }
 
 TEST(ChainFile, AClosedFileCanBeAppendedTo) {

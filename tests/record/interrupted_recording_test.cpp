@@ -1,5 +1,8 @@
 // What ends a recording amid a run, and how the next run goes on: a full disk, missing records, a crash.
+#include "daemon/record/readiness.hpp"
 #include "tests/record/logged_runs.hpp"
+#include "tests/record/recorded_rig.hpp"
+#include "tests/record/scratch.hpp"
 
 namespace dwell::record {
 namespace {
@@ -144,6 +147,30 @@ TEST_F(InterruptedRecording, AfterACrashARunThatComesMuchLaterIsTheDrives) {
   EXPECT_EQ(store.runs[0].header.label, "") << "another run is not the operator's";
   EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
 }
+
+// A second order would end the run that the first has just begun, and the second one would not have its label.
+TEST_F(InterruptedRecording, ANewRunIsAskedForOnceWhileItIsOnItsWayThroughTheStream) {
+  const Scratch scratch;
+  Notices told_to;
+  RunFolder folder(folder_options(scratch.path()));
+  Readiness readiness(folder, log, told_to.tell());
+  stream.starts();
+  stream.play(5.0);
+  store.full = true;
+  stream.play(1.5);
+  ASSERT_EQ(log.stopped(), "disk full");
+  store.full = false;
+  const auto asks_after = [&](double seconds) {
+    const auto later_ns = static_cast<std::int64_t>(1e9 * seconds);
+    return readiness.look({stream.t_ns() + later_ns, kUtc_ns + later_ns});
+  };
+  EXPECT_FALSE(asks_after(1.0));
+  EXPECT_TRUE(asks_after(31.0)) << told_to.text();
+  EXPECT_FALSE(asks_after(31.25));
+  EXPECT_FALSE(asks_after(60.0));
+  EXPECT_TRUE(asks_after(61.5)) << "the run that was asked for never came";
+}
+
 // The disk refused the last block after the run had ended: the reserve took it, and no recording stopped. The next run
 // began as the continuation of one that had been complete.
 TEST_F(InterruptedRecording, AFullDiskAfterTheEndOfARunStopsNothingAndTheRunKeepsItsReason) {
