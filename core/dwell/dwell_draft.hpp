@@ -1,8 +1,8 @@
 // A dwell as it stands, but for its coefficients.
 //
 // The coefficients, their uncertainties and budgets are more than half of the work of an evaluation, and need nothing
-// of the pipeline but its rig. So whoever has many evaluations to make has the drafts from the pipeline's thread and
-// finishes them on another one.
+// of the pipeline but its rig. So a caller with many evaluations takes the drafts on the pipeline's thread and finishes
+// them on another.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,8 +18,8 @@ namespace dwell {
 
 // What report_elements() is given.
 struct DwellEvidence {
-  const Rig* rig = nullptr;            // the pipeline's …
-  const Eigen::MatrixXd* G = nullptr;  // … which must outlive this
+  const Rig* rig = nullptr;            // the pipeline's: it must outlive this
+  const Eigen::MatrixXd* G = nullptr;  // likewise
   std::vector<ChannelResult> channels;
   double omega = 0.0, u_omega = 0.0;  // rad/s
   std::vector<SeenMode> seen;

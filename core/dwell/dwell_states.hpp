@@ -60,14 +60,14 @@ class DwellStates {
   void settle_anew() noexcept;
   // While settling: whether the verdict must be confirmed by more data.
   void set_unconfirmed(bool again) noexcept;
-  // While settling: the data count from now on. Ignored while the dwell before waits for its reason: call go_on()
+  // While settling: the verdict is given. Ignored while the dwell before waits for its reason: call go_on()
   // first.
   void begin_to_measure() noexcept;
   // While measuring: a better fit says that the verdict was premature. The dwell settles again.
   void take_back() noexcept;
   // It is known why the dwell before ended: the one armed since then goes on.
   void go_on() noexcept;
-  // The dwell's number is taken back: it was none, or it never settled and had hardly begun.
+  // Takes back the number of a dwell that is not reported.
   void forget_dwell() noexcept { --index_; }
   // No dwell is on any more. rest(): the table rests or the run has ended; lose_sight(): the drive cannot be seen.
   void rest() noexcept { go(interlocked() ? Phase::interlocked : Phase::idle); }

@@ -19,7 +19,7 @@ class FinishedDwell {
   // Waits for the reason, at most kLongestWait from now_serial on (Blocks::serials).
   void wait_for_reason(std::int64_t now_serial) noexcept { until_serial_ = now_serial + kLongestWait; }
   [[nodiscard]] bool waited_enough(std::int64_t serial) const noexcept { return serial >= until_serial_; }
-  // The reason is known. false: the dwell is not reported, since it never settled and had hardly begun.
+  // The reason is known. false: no report, since it never settled and had hardly begun, and the run goes on.
   [[nodiscard]] bool conclude(EndedBy ended_by, std::int64_t now_ns) noexcept;
 
   [[nodiscard]] const Dwell& dwell() const noexcept { return dwell_; }

@@ -40,9 +40,9 @@ class Pipeline {
   // Takes the next record of the ordered stream. All reported times count from the first record that concerns the
   // pipeline. Returns a set of Change. No allocation, except once per completed dwell. Cost: O(1) per sample;
   // O(channels · H²) at the end of a block (a quarter of a period), while settling O(channels · (H² + windows seen))
-  // and now and then the chain's eigenvalues, O(masses³), masses <= 64. Each time that the hold has grown by a quarter
-  // to two times, its transient is fitted anew, in `slices` if given: at least four passes over the samples held, (2H +
-  // 3 + 4 modes)²/2 multiplications each. 0.1 s if four are enough, some seconds for sixteen full rings.
+  // and now and then the chain's eigenvalues, O(masses³), masses <= 64. Each time the hold has grown to 1.25 … 2
+  // times its length, its transient is fitted anew, in `slices` if given: at least four passes over the samples held,
+  // (2H + 3 + 4 modes)²/2 multiplications each. 0.1 s if four are enough, some seconds for sixteen full rings.
   std::uint8_t push(const Record& record) noexcept;
   // Takes the first records as push() would one by one, as long as they are samples or ticks within the open block:
   // none of them changes a state or ends a dwell. Returns how many; 0: push() must take the next one. Cheaper than

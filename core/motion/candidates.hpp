@@ -22,8 +22,8 @@ struct ElementSizes {
 };
 [[nodiscard]] double natural_size(const Rig& rig, const Parameter& candidate, const ElementSizes& elements);
 
-// Whether nature allows the value: a mass stays above 0, friction and what joins a mass to ground take energy or store
-// it, a scale and a delay do not move farther than half their natural size (a reversed channel is another explanation).
+// Whether the value is physical: a mass stays above 0; friction, springs and dampers are above 0; a delay stays within
+// half a radian; a scale falls by less than half (a reversed channel is another explanation).
 [[nodiscard]] bool is_possible(const Rig& rig, const Parameter& candidate, double value);
 
 }  // namespace dwell

@@ -16,10 +16,9 @@
 
 namespace dwell {
 
-// Takes out every reading with a half width beyond 1.5 medians of its channel's that either moves the reading, by the
-// steepest slope about it, by more than √6 standard deviations of the noise or of the rounding, or is beyond five
-// medians while such answers are rare. data: by time. noise: per channel, SI, as local_noise() gives it; NaN: not
-// known. Returns how many. O(n log n); allocates.
+// Takes out readings whose half width exceeds 1.5 medians of their channel, and either five medians, while such are
+// rare, or √6 σ over the steepest slope about the reading. σ: of the noise, or of the rounding if that is larger. data:
+// by time. noise: per channel, SI, as local_noise() gives it; NaN: not known. Returns how many. O(n log n); allocates.
 std::size_t leave_out_late(const std::vector<double>& noise, MotionData& data);
 
 }  // namespace dwell

@@ -1,5 +1,5 @@
-// The inverse of an information matrix on what the readings tell of. Directions that no reading tells of, such as the
-// common gauge of the biases, have eigenvalues that are rounding: they are left out, and so is what is not used.
+// The pseudo-inverse of an information matrix. Left out are unknowns that are not used, and directions that no reading
+// determines, such as the common gauge of the biases: their eigenvalues are rounding.
 #pragma once
 
 #include <Eigen/Core>

@@ -9,8 +9,8 @@
 // meanwhile. Then the next is due when the readings have become four times as many.
 // A dwell that has settled and ended gets a last estimate. Its stretch grows to a fifth of the readings that an
 // estimate may take. If it has more already when the dwell has settled, there is no last estimate, since little or
-// nothing of the dwell's own data would be in it. While a dwell is measured, and while the rig is idle, nothing is
-// estimated.
+// nothing of the dwell's own data would be in it. Nothing else is estimated while a dwell is measured or
+// the rig is idle.
 //
 //   state      what is so                                 left for
 //   waiting    no dwell is on                             gathering, when a dwell begins
@@ -19,8 +19,8 @@
 //   complete   it takes no more readings                  gathering, when another stretch begins
 //
 // From any state the end of a dwell leads to waiting. Another dwell begins another stretch and drops the estimate.
-// Within a dwell a drive that leaves a hold of some periods begins another stretch too, and the estimate stays until
-// there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with its stretch.
+// If the drive leaves a hold of eight periods within a dwell, another stretch begins; the estimate stays until there is
+// a newer one. A drive that leaves one hold after another, as a ramp does, goes on with its stretch.
 //
 // This class decides and remembers; it does not estimate. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same records and the same calls give the same jobs.

@@ -3,7 +3,7 @@
 
 namespace dwell {
 
-// A step that raised the misfit is tried again at this part, so many times; where a tenth does not help, it leads to
+// A step that raised the misfit is retried with kShorter of it, kShortened times. If that does not help, it leads to
 // another optimum.
 inline constexpr double kShorter = 0.3;
 inline constexpr int kShortened = 2;

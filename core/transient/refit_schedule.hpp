@@ -39,9 +39,8 @@ class RefitSchedule {
     double left_before;  // by the judgement before
     bool rounded;        // rounding hides the noise of a channel
   };
-  // Whether to believe that at most what is allowed is left. Rounding is no noise: it may lead one fit astray, and a
-  // fit with more data elsewhere. A sudden claim of rounded readings is therefore believed only if it still holds a
-  // little later. The refit for that is planned here.
+  // Whether to believe that no more than allowed is left. Rounding may mislead one fit. So a sudden claim from rounded
+  // readings is believed only if it still holds after a refit a little later, planned here.
   bool believes(const Claim& claim, double period_s, std::int64_t free_since_ns, std::int64_t now_ns) noexcept;
   // When a waiting claim will be believed if it still holds; empty: none waits.
   [[nodiscard]] const std::optional<std::int64_t>& confirm_ns() const noexcept { return confirm_ns_; }

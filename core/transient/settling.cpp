@@ -124,9 +124,11 @@ double SettlingDetector::most_left(int c, const Reading& b, double t_s, const De
     const double q = decay.T > 0 ? std::exp(-apart / decay.T) : 0.0;
     // Several modes can cancel in one window, but hardly in all windows of a period.
     double difference = 0.0, power = 0.0;
+    bool seen = false;
     for (int j = std::max(0, i - kQuarters + 1); j <= i; ++j) {
       const Reading& a = reading(j, c);
       if (!a.usable) continue;
+      seen = true;
       difference = std::max(difference, distance(a, b) + sigmas::kNoise * std::hypot(a.u, b.u));
       // The variance of a variance from N residuals is 2/N of its square.
       power = std::max(power,
@@ -139,6 +141,7 @@ double SettlingDetector::most_left(int c, const Reading& b, double t_s, const De
       latest = std::max(latest, distance(a, b) - sigmas::kNoise * std::numbers::sqrt2 * std::hypot(a.u, b.u));
       continue;
     }
+    if (!seen) continue;  // a channel that was lost tells nothing of what is left
     left =
         std::min(left, std::max(difference * q / (1 - q), std::sqrt(2 * std::max(0.0, power) * q * q / (1 - q * q))));
   }

@@ -11,15 +11,16 @@
 
 namespace dwell {
 
-// Bound to one thread, real-time safe. `left` is relative to what is allowed: settled at 1 or less.
+// Bound to one thread, real-time safe. `left` is relative to what is allowed, with a safety margin in Worst::left:
+// settled at 1 or less.
 class TransientLeft {
  public:
   // tolerance: the transient allowed, relative to a channel's steady amplitude. fit and noise must outlive this.
   TransientLeft(double tolerance, const HoldFit& fit, const ResidualNoise& noise)
       : tolerance_(tolerance), fit_(fit), noise_(noise) {}
 
-  // The channel in which most may be left at t: what the fit shows, three standard deviations, or the residuals beyond
-  // the noise. left is infinity where a channel is not fitted; channel is -1 where nothing is left in any.
+  // Where most may be left at t: what the fit shows and three standard deviations, or the residuals beyond the noise.
+  // left: infinity if a watched channel is not fitted; `channel` is then not valid. channel: -1 if nothing is left.
   struct Worst {
     double left = 0.0;
     int channel = -1;

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/base/angle.hpp"
+#include "core/transient/settling.hpp"
 #include "tests/core/table_and_mass.hpp"
 
 namespace dwell {
@@ -130,6 +131,26 @@ TEST(SettlingWindows, TheChainIsIdentifiedEachTimeTheHoldHasGrownByAThirtieth) {
   EXPECT_FALSE(bench.windows.wants_chain(0));
   bench.run_to(17.0);
   EXPECT_TRUE(bench.windows.wants_chain(0));
+}
+
+// A mode with a time constant of 1000 periods moves by a hundredth of what is allowed in a period: only windows far
+// apart show it. One that the channel was lost in is none of them.
+TEST(SettlingDetector, AWindowWithoutTheChannelDoesNotTellThatNothingIsLeft) {
+  constexpr double kT_s = 1000.0, kPeriod_s = 1.0;
+  for (const int lost : {0, 5}) {
+    SettlingDetector detector(1, 1e-3);
+    for (int k = 0; k < 60; ++k) {
+      const double t_s = kPeriod_s * (1 + 0.25 * k);
+      SettlingDetector::Reading reading;
+      reading.relative = 1.0 + 0.01 * std::exp(-t_s / kT_s);
+      reading.u = 1e-7;
+      reading.noise = reading.variance = 1e-14;
+      reading.samples = 100;
+      reading.usable = lost == 0 ? k > 0 : k < lost || k > lost + 4;
+      const auto verdict = detector.update(k, k + 3, t_s, 1.0, 1e-7, {&reading, 1}, kPeriod_s, kT_s);
+      EXPECT_FALSE(verdict.settled && reading.usable) << "lost from " << lost << ", window " << k;
+    }
+  }
 }
 
 }  // namespace
