@@ -6,7 +6,7 @@
 //             └─> bins of 320 ms, made into bins of 1.28 s, 5.12 s … when asked for
 //
 // Kept are 10.9 min in bins of 20 ms, 44 min of 80 ms, 2.9 h of 320 ms, and as many readings as 32 MB hold: 10 min of 4
-// channels at 1 kHz, 43 s of 64 channels. Memory in all: 1.2 MB for each channel, and 32 MB at most.
+// channels at 1 kHz, 42 s of 64 channels. Memory in all: 1.2 MB for each channel, and 32 MB at most.
 //
 // A bin holds its least and its greatest reading, and whether the trace is broken there: a reading is missing or not
 // shown (lost, no longer kept, out of range, not a number that a float32 holds, stuck; the channel does not deliver),
