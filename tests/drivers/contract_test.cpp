@@ -210,7 +210,7 @@ TEST_P(DriverContract, MarksEveryChannelOfAnAbsentDeviceWithAReason) {
     EXPECT_FALSE(host_.state_of(channel).reason.empty());
     EXPECT_EQ(host_.state_of(channel).reason.find('\n'), std::string::npos);
   }
-  EXPECT_GE(host_.counted(DWELL_FAULT_DISCONNECTED), 1);
+  EXPECT_TRUE(eventually([&] { return host_.counted(DWELL_FAULT_DISCONNECTED) >= 1; })) << "counted after it is told";
 }
 
 TEST_P(DriverContract, MarksEveryChannelOfASilentDeviceWithAReason) {
