@@ -95,7 +95,7 @@ std::string Pipeline::Impl::settling_reason() const {
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
       return taken_back_reason() + "transient left in " +
-             rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
+             rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": up to " +
              times.substr(0, times.find('.') + 2) + " times the allowed size" +
              (rig.mass_count() > 0 && std::isinf(provisional_chain.time_constant_s()) &&
                       blocks().serials() - at.steady_serial > 10 * kQuarters

@@ -60,8 +60,7 @@ class DwellStates {
   void settle_anew() noexcept;
   // While settling: whether the verdict must be confirmed by more data.
   void set_unconfirmed(bool again) noexcept;
-  // While settling: the verdict is given. Ignored while the dwell before waits for its reason: call go_on()
-  // first.
+  // While settling: the verdict is given. Ignored while the dwell before waits for its reason: call go_on() first.
   void begin_to_measure() noexcept;
   // While measuring: a better fit says that the verdict was premature. The dwell settles again.
   void take_back() noexcept;

@@ -23,7 +23,7 @@ struct ElementSizes {
 [[nodiscard]] double natural_size(const Rig& rig, const Parameter& candidate, const ElementSizes& elements);
 
 // Whether the value is physical: a mass stays above 0; friction, springs and dampers are above 0; a delay stays within
-// half a radian; a scale falls by less than half (a reversed channel is another explanation).
+// half a radian of the drive; a scale falls by less than half (a reversed channel is another explanation).
 [[nodiscard]] bool is_possible(const Rig& rig, const Parameter& candidate, double value);
 
 }  // namespace dwell

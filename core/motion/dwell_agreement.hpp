@@ -4,10 +4,9 @@
 // then makes them differ is noise. Let d be the difference of a coefficient, and u_dwell and u_motion its standard
 // uncertainties by noise alone:
 //
-//   var d = |u_dwell² - u_motion²|, at least a tenth of the larger, if the motion's stretch holds nearly all readings
-//   of
-//                                  the dwell (Hausman 1978: the motion's estimate is the more efficient one)
-//   var d = u_dwell² + u_motion²   if it does not: the noise is then taken as independent
+//   var d = |u_dwell² - u_motion²|  if the motion's stretch holds nearly all readings of the dwell (Hausman 1978: the
+//                                   motion's estimate is the more efficient one); at least a tenth of the larger
+//   var d = u_dwell² + u_motion²    if it does not: the noise is then taken as independent
 #pragma once
 
 #include <optional>

@@ -2,9 +2,9 @@
 //
 //   p(chain | table) = Π p(reading i | readings of the chain before i, all readings of the table)
 //
-// The plain innovations of these channels carry what the filter could not foresee of the table. If the table
-// moves otherwise than its process, as in band-limited random motion, they are correlated though the chain is right.
-// Between readings of the table on both sides hardly anything is left to foresee.
+// The plain innovations of these channels carry what the filter could not foresee of the table. If the table moves
+// otherwise than its process, as in band-limited random motion, they are correlated though the chain is right. Between
+// readings of the table on both sides hardly anything is left to foresee.
 //
 // What the later readings of the table say of its state b is Λ b - λ, an information filter that runs backwards:
 //

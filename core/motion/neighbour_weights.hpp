@@ -1,5 +1,5 @@
-// Weights with which a polynomial through a reading's neighbours foresees it. It misses noise
-// and fast motion.
+// Weights with which a polynomial through a reading's neighbours foresees it. It misses noise and
+// fast motion.
 #pragma once
 
 #include <cstddef>

@@ -9,8 +9,8 @@
 // meanwhile. Then the next is due when the readings have become four times as many.
 // A dwell that has settled and ended gets a last estimate. Its stretch grows to a fifth of the readings that an
 // estimate may take. If it has more already when the dwell has settled, there is no last estimate, since little or
-// nothing of the dwell's own data would be in it. Nothing else is estimated while a dwell is measured or
-// the rig is idle.
+// nothing of the dwell's own data would be in it. Nothing else is estimated while a dwell is measured or the
+// rig is idle.
 //
 //   state      what is so                                 left for
 //   waiting    no dwell is on                             gathering, when a dwell begins

@@ -20,8 +20,8 @@ class ForeignLines {
   // masses: number of the chain's. The others must outlive this.
   ForeignLines(PoleSearch& search, HoldFit& fit, ResidualNoise& noise, std::size_t masses);
 
-  // Appends to the poles beside the chain the strongest line in the residuals of the fit's beginning, if it exceeds
-  // what noise shows now and then. false: no such line, or no room. O(samples · lines).
+  // Appends to the poles beside the chain the strongest line in the residuals of the fit's beginning, if noise
+  // alone gives it once in 8000 searches at most. false: no such line, or no room. O(samples · lines).
   bool find(const HoldNow& now);
   // Decides for each pole beside the chain whether it is steady; a steady line is no transient. At the mains'
   // frequencies and the drive's harmonics a line is steady unless the data speak against it. Elsewhere it is steady

@@ -39,7 +39,7 @@ class HoldRefit {
   // Whether there are poles to start from.
   [[nodiscard]] bool possible() const noexcept;
   // Fits the hold anew and believes the new poles. seen: the frequency that the drive's channel shows by itself.
-  // Returns false if no poles could be fitted. Cost: some more than fit.affordable() fits.
+  // Returns false if no poles could be fitted. Cost: fit.affordable() fits and a few more.
   bool make(const SeenFrequency& seen, const HoldNow& now);
 
  private:

@@ -14,7 +14,7 @@ namespace dwell {
 
 class ModalMotion {
  public:
-  static constexpr int kMaxModes = 10;  // the first are kept: callers pass slow ones first
+  static constexpr int kMaxModes = 10;  // of more poles the first are kept
   // Relative standard uncertainty: of a pole or ω where the data tell nothing; of a frequency that is given.
   static constexpr double kOpen = 1.0, kGiven = 1e-12;
 

@@ -141,7 +141,7 @@ double SettlingDetector::most_left(int c, const Reading& b, double t_s, const De
       latest = std::max(latest, distance(a, b) - sigmas::kNoise * std::numbers::sqrt2 * std::hypot(a.u, b.u));
       continue;
     }
-    if (!seen) continue;  // a channel that was lost tells nothing of what is left
+    if (!seen) continue;  // the channel was lost: its windows show nothing
     left =
         std::min(left, std::max(difference * q / (1 - q), std::sqrt(2 * std::max(0.0, power) * q * q / (1 - q * q))));
   }

@@ -24,7 +24,7 @@ bool Readiness::look(const ClockPair& now) {
     return false;
   }
   // A run that was asked for begins once its record has come through the stream: until then nothing here has changed.
-  if (now.raw_ns - std::max(log_.stopped_ns(), asked_ns_) < kRetry_ns) return false;
+  if (now.raw_ns - std::max(log_.stopped_ns(), asked_ns_.value_or(INT64_MIN)) < kRetry_ns) return false;
   asked_ns_ = now.raw_ns;
   healed();
   log_.goes_on();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -49,7 +50,7 @@ class Readiness {
   bool told_trouble_ = false;  // the log says that none can be recorded
   bool open_ = false;
   std::int64_t next_look_ns_ = 0;
-  std::int64_t asked_ns_ = INT64_MIN / 2;  // when a new run was asked for last
+  std::optional<std::int64_t> asked_ns_;  // when a new run was asked for last
 };
 
 }  // namespace dwell::record

@@ -16,6 +16,7 @@ std::vector<std::string> stop_together(std::vector<std::shared_ptr<DeviceHost>> 
   };
   const auto until = std::chrono::steady_clock::now() + within;
   std::vector<Stopping> all;
+  all.reserve(devices.size());
   for (std::shared_ptr<DeviceHost>& device : devices) {
     DeviceLink& link = device->link();
     std::packaged_task<void()> stop([device] { device->stop(); });

@@ -33,10 +33,7 @@ class Aside {
     using Outcome = decltype(work());
     if (!thread_) thread_.emplace(thread_name_);
     const std::uint64_t number = next_++;
-    shared_->waiting.emplace(
-        number, [then = std::move(then)](void* outcome) mutable { then(std::move(*static_cast<Outcome*>(outcome))); });
-    Asked asked{*shared_, number};
-    asked.kept = thread_->post([shared = shared_, number, work = std::move(work)](const auto&) mutable {
+    const bool posted = thread_->post([shared = shared_, number, work = std::move(work)](const auto&) mutable {
       record::lower_priority();
       auto outcome = std::make_shared<Outcome>(work());
       const std::lock_guard lock(shared->mutex);
@@ -46,6 +43,11 @@ class Aside {
         if (!asker.empty()) asker.mapped()(outcome.get());
       });
     });
+    // The outcome comes through the loop, so not before this returns.
+    if (posted)
+      shared_->waiting.emplace(number, [then = std::move(then)](void* outcome) mutable {
+        then(std::move(*static_cast<Outcome*>(outcome)));
+      });
   }
 
   // Forgets what was asked for: no `then` is called any more.
@@ -58,16 +60,6 @@ class Aside {
   }
 
  private:
-  // Takes the asker out again where the work was not posted: nothing would ever call or free it.
-  struct Shared;
-  struct Asked {
-    Shared& shared;
-    std::uint64_t number;
-    bool kept = false;
-    ~Asked() {
-      if (!kept) shared.waiting.erase(number);
-    }
-  };
   // Outlives this where the thread hangs.
   struct Shared {
     std::mutex mutex;

@@ -102,7 +102,6 @@ class Caller : public std::enable_shared_from_this<Caller> {
                     false);
     if (error) return close();
     asked_ = true;
-    limit_no_more();
     std::string_view line(line_.data(), size - 1);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     constexpr const char* kNone = R"({"error":"the answer could not be made"})";

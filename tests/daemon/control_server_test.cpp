@@ -4,11 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <boost/asio/io_context.hpp>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <semaphore>
+#include <thread>
 
 #include "tests/daemon/sockets.hpp"
 
@@ -55,6 +58,42 @@ TEST_F(ControlServerTest, AnswersLineByLineAndKnowsWhoAsks) {
   EXPECT_EQ(client.until("\n"), "two!\n");
   client.send(" and a half\n");
   EXPECT_EQ(client.until("\n"), "three and a half!\n");
+}
+
+// Two lines lie there when the loop looks. The first one ends the server, and with it what its handler uses.
+TEST_F(ControlServerTest, ALineThatWasReadAsTheServerEndedIsNotHandedOn) {
+  int handed_on = 0;
+  auto made = ControlServer::make(loop, options, [&](std::string_view, const Peer&) {
+    ++handed_on;
+    server.reset();
+    return ControlReply(std::string());
+  });
+  ASSERT_TRUE(made) << made.error();
+  server = std::move(*made);
+  Client first = Client::local(options.path), second = Client::local(options.path);
+  loop.context().poll();
+  for (const Client* client : {&first, &second}) client->send("one\n");
+  while (server) loop.context().poll();
+  loop.context().poll();
+  EXPECT_EQ(handed_on, 1);
+}
+
+// The line and the end of the caller's time are seen in one turn of the loop.
+TEST_F(ControlServerTest, WhoAsksInTheLastMomentIsAnswered) {
+  options.idle_time = std::chrono::milliseconds(20);
+  auto made = ControlServer::make(loop, options, answer);
+  ASSERT_TRUE(made) << made.error();
+  server = std::move(*made);
+  Client client = Client::local(options.path);
+  loop.context().poll();
+  const auto over = std::chrono::steady_clock::now() + options.idle_time;
+  client.send("one\n");
+  while (std::chrono::steady_clock::now() <= over) std::this_thread::yield();
+  loop.context().poll();
+  EXPECT_EQ(client.until("\n"), "one!\n");
+  client.send("two\n");
+  loop.context().poll();
+  EXPECT_EQ(client.until("\n"), "two!\n") << "and may go on";
 }
 
 TEST_F(ControlServerTest, OnlyOwnerAndGroupMayUseIt) {

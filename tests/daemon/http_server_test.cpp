@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/asio/io_context.hpp>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -289,6 +291,31 @@ TEST_F(HttpServerTest, ABodyWithoutACertainEndIsNotTakenForTheNextRequest) {
               next);
   EXPECT_EQ(read_answer(client).status, 200);
   EXPECT_EQ(read_answer(client).body, "{\"hello\":\"\"}");
+}
+
+// Two requests lie there when the loop looks. The first one ends the server, and with it what its handler uses.
+TEST(HttpServer, ARequestThatWasReadAsTheServerEndedIsNotHandedOn) {
+  EventLoop loop;
+  std::unique_ptr<HttpServer> server;
+  int handed_on = 0;
+  HttpOptions options;
+  options.port = 0;
+  auto made = HttpServer::make(
+      loop, options,
+      [&](const HttpRequest&) {
+        ++handed_on;
+        server.reset();
+        return HttpReply{};
+      },
+      [](const HttpRequest&) { return StreamBegin{}; });
+  ASSERT_TRUE(made) << made.error().message;
+  server = std::move(*made);
+  Client first = Client::tcp(server->port()), second = Client::tcp(server->port());
+  while (server->stats().clients < 2) loop.context().poll();
+  for (const Client* client : {&first, &second}) client->send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  while (server) loop.context().poll();
+  loop.context().poll();
+  EXPECT_EQ(handed_on, 1);
 }
 
 TEST(HttpServer, AnAddressThatIsNoneIsToldApartFromOneThatIsTaken) {

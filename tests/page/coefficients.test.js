@@ -65,7 +65,7 @@ test('while it settles: from the transient, marked as such, or the reason', () =
   assert.match(shown.title, /^from the transient, 0\.6 to 3\.9 s: an estimate before the verdict$/);
   const none = coefficientsOf(after(dwellOf({ index: 2 }), settlingOf()));
   assert.equal(none.source, 'none');
-  assert.equal(none.reason, 'settling: transient left in y1: 22 times the allowed size');
+  assert.equal(none.reason, 'settling: transient left in y1: up to 22 times the allowed size');
 });
 
 test('no data come: every number is struck through with its age', () => {

@@ -30,8 +30,8 @@ export function toldFreshness() {
 
 // As dwellOf(), before its transient has decayed.
 export const settlingOf = (changes = {}) => dwellOf({ state: 'settling', settled_s: null, verdict_s: null, end_s: 11,
-  settles_in_s: 3.24, elements: [], settling_reason: 'transient left in y1: 22 times the allowed size',
-  ...warningOf([{ kind: 'not settled', text: 'not settled: transient left in y1: 22 times the allowed size' }]), ...changes });
+  settles_in_s: 3.24, elements: [], settling_reason: 'transient left in y1: up to 22 times the allowed size',
+  ...warningOf([{ kind: 'not settled', text: 'not settled: transient left in y1: up to 22 times the allowed size' }]), ...changes });
 
 export const idleOf = (changes = {}) => settlingOf({ index: null, state: 'idle', settles_in_s: null,
   settling_reason: 'the table does not move', ...warningOf([{ kind: 'not settled', text: 'not settled: the table does not move' }]), ...changes });

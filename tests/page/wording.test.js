@@ -19,7 +19,7 @@ test('the state is one word, what belongs to it, and a colour only where it is a
   assert.equal(said(viewOf(null)), 'connecting calm: connecting, waiting for the first word of the service');
   assert.equal(said({ ...viewOf(null), refused: true }), 'locked calm: logged out, log in below to read');
   assert.equal(said(viewOf(settlingOf())), 'settling calm: settling, about 3.2 s left');
-  assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known: transient left in y1: 22 times the allowed size');
+  assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known: transient left in y1: up to 22 times the allowed size');
   assert.equal(said(viewOf(settlingOf({ settles_in_s: 165.3 }))), 'settling calm: settling, about 165 s left');
   assert.equal(said(viewOf(dwellOf())), 'measuring calm: measuring, 10.0 s of data');
   assert.equal(said(viewOf(idleOf())), 'idle calm: idle, the table does not move');
