@@ -95,7 +95,6 @@ class Caller : public std::enable_shared_from_this<Caller> {
   }
 
   void received(const error_code& error, std::size_t size) {
-    if (!socket_.is_open()) return;  // closed meanwhile: the handler may be gone
     if (error == asio::error::not_found)
       return answer(R"({"error":"the request has more bytes than a line may have, which is )" +
                         std::to_string(server_->options.line_bytes) + "\"}",

@@ -60,22 +60,23 @@ TEST_F(ControlServerTest, AnswersLineByLineAndKnowsWhoAsks) {
   EXPECT_EQ(client.until("\n"), "three and a half!\n");
 }
 
-// Two lines lie there when the loop looks. The first one ends the server, and with it what its handler uses.
-TEST_F(ControlServerTest, ALineThatWasReadAsTheServerEndedIsNotHandedOn) {
+// A caller has sent two lines at once. Between them another one ends the server, and with it what its handler uses.
+TEST_F(ControlServerTest, ALineThatLiesThereAsTheServerEndsIsNotHandedOn) {
   int handed_on = 0;
-  auto made = ControlServer::make(loop, options, [&](std::string_view, const Peer&) {
+  auto made = ControlServer::make(loop, options, [&](std::string_view line, const Peer&) {
     ++handed_on;
-    server.reset();
+    if (line == "end") server.reset();
     return ControlReply(std::string());
   });
   ASSERT_TRUE(made) << made.error();
   server = std::move(*made);
-  Client first = Client::local(options.path), second = Client::local(options.path);
+  const Client two = Client::local(options.path), end = Client::local(options.path);
   loop.context().poll();
-  for (const Client* client : {&first, &second}) client->send("one\n");
+  two.send("one\ntwo\n");
+  end.send("end\n");
   while (server) loop.context().poll();
   loop.context().poll();
-  EXPECT_EQ(handed_on, 1);
+  EXPECT_EQ(handed_on, 2);
 }
 
 // The line and the end of the caller's time are seen in one turn of the loop.
