@@ -16,9 +16,14 @@ HoldNow Pipeline::Impl::hold_now() {
   for (int c = 0; c < live.count(); ++c) {
     const ChannelIntake& intake = live[c].intake();
     const auto i = static_cast<std::size_t>(c);
-    fitted_channels[i] = {windows.usable(c),       live.on_table()[i] != 0,        blocks().reference(c),
-                          intake.refresh_half_s(), intake.widest_refresh_half_s(), intake.step(),
-                          live[c].sampling()};
+    fitted_channels[i] = {.watched = windows.usable(c),
+                          .imposed = live.on_table()[i] != 0,
+                          .reference = blocks().reference(c),
+                          .refresh_half_s = intake.refresh_half_s(),
+                          .widest_refresh_half_s = intake.widest_refresh_half_s(),
+                          .transaction = live.transaction_of(c),
+                          .step = intake.step(),
+                          .sampling = live[c].sampling()};
   }
   return {now_ns, at.steady_ns, omega(), !from_motion(), drive_channel(), fitted_channels};
 }

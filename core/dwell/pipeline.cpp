@@ -123,7 +123,7 @@ void Pipeline::Impl::take(int c, LiveChannel& channel, const LiveChannel::Readin
   const double value = channel.count(reading);
   at.last_sample_ns = std::max(at.last_sample_ns, reading.t_ns);
   if (first) data.set_reference(c, value);
-  history.push(reading.t_ns, c, value);
+  history.push(reading.t_ns, c, value, channel.intake().held_up(reading));
   const double cleaned = add_cleaned(reading.t_ns, c, value);
   if (c != drive_channel()) return;
   // A reading that was held up tells less of the drive's phase.

@@ -98,6 +98,8 @@ class ChannelIntake {
   [[nodiscard]] std::string clustered_reason() const;
   // Part of this hold's readings that were left out as foreign, as spikes or beyond the range.
   [[nodiscard]] double left_out() const noexcept;
+  // The answer was held up on its way: the half width of its instant is beyond 1.5 times the running median.
+  [[nodiscard]] bool held_up(const Reading& reading) const noexcept { return motion_.held_up(reading); }
   // Part of this hold's readings that were answered too late to count.
   [[nodiscard]] double late() const noexcept;
 

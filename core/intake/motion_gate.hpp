@@ -75,6 +75,7 @@ class MotionGate {
   [[nodiscard]] double noise() const noexcept { return errors_.noise(); }
 
   [[nodiscard]] const ForeignReadings& foreign() const noexcept { return foreign_; }
+  [[nodiscard]] bool held_up(const Reading& reading) const noexcept { return lateness_.held_up(reading.half_ns); }
   // Readings that did not count because of their instants: since construction, since restart().
   [[nodiscard]] std::uint64_t uncertain() const noexcept { return uncertain_.ever; }
   [[nodiscard]] std::uint64_t uncertain_in_hold() const noexcept { return uncertain_.in_hold; }

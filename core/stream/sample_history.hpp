@@ -17,13 +17,14 @@ class SampleHistory {
     std::int64_t t_ns;
     double value;  // SI
     int channel;
+    bool held_up;  // the answer was held up on its way: the instant is less certain than usual
   };
 
   // slices: long work on the samples pauses in them (spend()); null: it never pauses. They must outlive this object.
   explicit SampleHistory(std::size_t capacity, Slices* slices = nullptr) : samples_(capacity), slices_(slices) {}
 
-  void push(std::int64_t t_ns, int channel, double value) noexcept {
-    samples_[next_] = {t_ns, value, channel};
+  void push(std::int64_t t_ns, int channel, double value, bool held_up = false) noexcept {
+    samples_[next_] = {t_ns, value, channel, held_up};
     if (++next_ == samples_.size()) next_ = 0;
     ++end_;
   }

@@ -114,7 +114,7 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
     for (auto i = history.first_at(fit.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
       const SampleHistory::Sample& s = history[i];
       history.spend(s.channel == c ? kOfLine * static_cast<double>(kMains + lines) : 1.0);
-      if (s.channel != c) continue;
+      if (s.channel != c || s.held_up) continue;
       const double r = fit.residual(c, s.t_ns, s.value), u = to_s(s.t_ns - fit.t0_ns());
       for (LineSums& each : sums) each.add(r, u);
       squares += r * r;

@@ -38,7 +38,7 @@ void HoldFit::feed(std::span<const FittedChannel> channels) noexcept {
   next_ = std::max(next_, history_.begin());
   for (; next_ < history_.end(); ++next_) {
     const SampleHistory::Sample& s = history_[next_];
-    if (!channels[static_cast<std::size_t>(s.channel)].watched) continue;
+    if (!channels[static_cast<std::size_t>(s.channel)].watched || s.held_up) continue;
     history_.spend(believed_.add(s.channel, s.t_ns, s.value));
   }
 }

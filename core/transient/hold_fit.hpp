@@ -36,7 +36,9 @@ class HoldFit {
   // amplitudes' prior. O(samples).
   void measure_ranges(std::span<const FittedChannel> channels) noexcept;
 
-  // Adds to the fit the samples of watched channels that it has not seen.
+  // Adds to the fit the samples of watched channels that it has not seen. Answers that were held up are left out: all
+  // channels of a transaction share the error of its instant, and where a mode is still large one such answer moves
+  // pole and shape together by more than their uncertainty.
   void feed(std::span<const FittedChannel> channels) noexcept;
   void solve(std::span<const FittedChannel> channels) noexcept;
   // Fits anew from from_ns() on. omega: ω at from_ns(), poles: both in rad/s. Returns the misfit. Takes O(samples) and
@@ -60,12 +62,12 @@ class HoldFit {
   // Decay rate of the slowest mode that is fitted, 1/s; infinity: none.
   [[nodiscard]] double slowest_rate() const noexcept;
 
-  // Calls f(channel, t_ns, residual) for the samples of solved channels that the fit has seen, from from_ns on.
+  // Calls f(sample, residual) for the samples of solved channels that are in the fit, from from_ns on.
   template <class F>
   void each_residual(std::int64_t from_ns, F&& f) noexcept {
     for (auto i = history_.first_at(from_ns); i < next_; ++i) {
       const SampleHistory::Sample& s = history_[i];
-      if (believed_.usable(s.channel)) f(s.channel, s.t_ns, believed_.residual(s.channel, s.t_ns, s.value));
+      if (believed_.usable(s.channel) && !s.held_up) f(s, believed_.residual(s.channel, s.t_ns, s.value));
       history_.spend(believed_.work_of_residual());
     }
   }

@@ -31,6 +31,7 @@ struct FittedChannel {
   double reference = 0.0;              // a value near its mean, SI
   double refresh_half_s = 0.0;         // the instants of its readings are known to ± this, on average
   double widest_refresh_half_s = 0.0;  // the least known of them
+  int transaction = 0;                 // channels of one transaction are read at one instant
   double step = std::numeric_limits<double>::quiet_NaN();  // rounding step of the readings, SI; not finite: not known
   SamplingRegularity sampling;
 

@@ -16,8 +16,8 @@ void KnockWatch::begin_hold(std::int64_t steady_ns) noexcept {
 bool KnockWatch::sees_knock(HoldFit& fit, const ResidualNoise& noise, const HoldNow& now,
                             std::int64_t from_ns) noexcept {
   std::fill(newest_.begin(), newest_.end(), Newest{});
-  fit.each_residual(from_ns, [&](int c, std::int64_t, double r) {
-    Newest& of = newest_[static_cast<std::size_t>(c)];
+  fit.each_residual(from_ns, [&](const SampleHistory::Sample& sample, double r) {
+    Newest& of = newest_[static_cast<std::size_t>(sample.channel)];
     of.squares += r * r;
     of.count += 1.0;
   });

@@ -26,10 +26,10 @@ double ResidualNoise::smallest_variance(int channel, const ModalFit& fit) const 
 void ResidualNoise::compare_halves(HoldFit& fit, std::int64_t now_ns) noexcept {
   const std::int64_t first_ns = fit.fit().t0_ns(), middle_ns = first_ns + (now_ns - first_ns) / 2;
   for (PerChannel& of : channels_) of.earlier = of.later = of.in_earlier = of.in_later = 0.0;
-  fit.each_residual(first_ns, [&](int c, std::int64_t t_ns, double r) {
-    PerChannel& of = channels_[static_cast<std::size_t>(c)];
-    (t_ns < middle_ns ? of.earlier : of.later) += r * r;
-    (t_ns < middle_ns ? of.in_earlier : of.in_later) += 1.0;
+  fit.each_residual(first_ns, [&](const SampleHistory::Sample& sample, double r) {
+    PerChannel& of = channels_[static_cast<std::size_t>(sample.channel)];
+    (sample.t_ns < middle_ns ? of.earlier : of.later) += r * r;
+    (sample.t_ns < middle_ns ? of.in_earlier : of.in_later) += 1.0;
   });
   // Each half accounts for half of the fit's parameters.
   const double half = 0.5 * static_cast<double>(fit.fit().parameters());

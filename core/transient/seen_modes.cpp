@@ -37,14 +37,33 @@ SeenModes::SeenModes(int channels) {
   prepare(now_);
 }
 
-// extra: variance to add to either component of the pole.
+double SeenModes::widened(const ModalFit& fit, const HoldNow& now, const SharedInstants& instants) noexcept {
+  const auto takes_part = [&](std::size_t c) { return fit.usable(static_cast<int>(c)) && !now.channels[c].imposed; };
+  double most = 1.0;
+  for (std::size_t c = 0; c < now.channels.size(); ++c) {
+    const auto i = static_cast<int>(c);
+    const int transaction = now.channels[c].transaction;
+    const double u_s = instants.u_s(transaction);
+    if (!takes_part(c) || !(u_s > 0) || !(fit.variance(i) > 0)) continue;
+    double speed2 = 0.5 * std::norm(now.omega * fit.phasor(i, 1));  // mean square at the fit's begin
+    for (std::size_t m = 0; m < fit.poles().size(); ++m)
+      speed2 += 0.5 * std::norm(fit.poles()[m] * fit.amplitude(i, m));
+    const double part = std::min(1.0, speed2 * u_s * u_s / fit.variance(i));
+    double others = 0.0;
+    for (std::size_t o = 0; o < now.channels.size(); ++o)
+      if (o != c && takes_part(o) && now.channels[o].transaction == transaction) others += 1.0;
+    most = std::max(most, 1 + others * part);
+  }
+  return most;
+}
+
 void SeenModes::describe(const ModalFit& fit, std::size_t m, const HoldNow& now, std::span<const double> left_over,
-                         double extra, SeenMode& mode) noexcept {
+                         double widened, double extra, SeenMode& mode) noexcept {
   const auto channels = mode.amplitude.size(), pole = 2 * channels;
   const double size = std::abs(fit.poles()[m]);
   using OfPoles = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostChanges, kMostChanges>;
   using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMostChanges>;
-  const OfPoles of_poles = fit.propagated();
+  const OfPoles of_poles = widened * fit.propagated();
   const ModalFit::Change change = fit.last_change();
   const auto at_pole = 2 * static_cast<Index>(m);
   mode.pole = fit.moved_poles()[m];
@@ -71,7 +90,7 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, const HoldNow& now,
       mode.covariance.block<2, 2>(2 * other, 2 * c) = both.transpose();
     }
     mode.covariance.block<2, 2>(2 * c, 2 * c) +=
-        fit.amplitude_covariance(channel, m) +
+        widened * fit.amplitude_covariance(channel, m) +
         beyond_noise(fit, m, static_cast<std::size_t>(c), now, left_over) * Eigen::Matrix2d::Identity();
   }
 }
@@ -102,16 +121,18 @@ double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double
   return moved * scale * scale + (settled ? 1.0 : kUnsettled * kUnsettled) * moves.squaredNorm();
 }
 
-void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const double> left_over) noexcept {
+void SeenModes::take(const ModalFit& fit, const HoldNow& now, const SharedInstants& instants,
+                     std::span<const double> left_over) noexcept {
   const double seen_s = to_s(now.now_ns - fit.t0_ns());
   const auto refined = fit.moved_poles();
+  const double by = widened(fit, now, instants);
   std::array<double, ModalMotion::kMaxModes> u{}, extra{};
   for (std::size_t m = 0; m < refined.size(); ++m) {
     const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
     extra[m] = extra_pole_variance(fit, m, scale, now, left_over);
     const auto at = 2 * static_cast<Index>(m);
     const double size = std::abs(fit.poles()[m]);
-    u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * extra[m]);
+    u[m] = std::sqrt(by * size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * extra[m]);
     if (!(u[m] < kResolvedPole * scale)) u[m] = INFINITY;
   }
   for (std::size_t m = 0; m < refined.size(); ++m) {
@@ -129,7 +150,7 @@ void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const do
                                                : -pole.real() - refined[other].real());
     }
     if (!alone) continue;
-    describe(fit, m, now, left_over, extra[m], now_);
+    describe(fit, m, now, left_over, by, extra[m], now_);
     const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
     const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
       return std::norm(other.pole - pole) <

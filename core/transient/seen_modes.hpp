@@ -12,6 +12,7 @@
 
 #include "core/transient/hold_now.hpp"
 #include "core/transient/modal_fit.hpp"
+#include "core/transient/shared_instants.hpp"
 
 namespace dwell {
 
@@ -40,8 +41,11 @@ class SeenModes {
   // residuals of rms ρ may belong to a mode. They add an error of up to √2 ρ to an amplitude a, and to the pole √2
   // ρ/|a| of the larger of its decay rate and 1/T, T the time seen. Instants that drift within ± h (slowly refreshed
   // registers) leave residuals too, by the mode's own motion and by the steady one: ρ² = (|λa|² + |ωX_1|²) h²/3.
-  // A mode that was seen better since clear() stays as it was. No allocation.
-  void take(const ModalFit& fit, const HoldNow& now, std::span<const double> left_over) noexcept;
+  // Channels that are read in one transaction share the errors of their instants, and the fit takes their noise as
+  // independent. So the fit's covariance grows by widened().
+  // A mode that was seen better since clear() stays as it was. No allocation; O(channels²).
+  void take(const ModalFit& fit, const HoldNow& now, const SharedInstants& instants,
+            std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 
  private:
@@ -50,8 +54,13 @@ class SeenModes {
                                            std::span<const double> left_over) noexcept;
   [[nodiscard]] static double extra_pole_variance(const ModalFit& fit, std::size_t m, double scale, const HoldNow& now,
                                                   std::span<const double> left_over) noexcept;
-  void describe(const ModalFit& fit, std::size_t m, const HoldNow& now, std::span<const double> left_over, double extra,
-                SeenMode& mode) noexcept;
+  // By what factor, at most, the variances that follow from independent noise are too small: 1 + (n - 1) τ²/σ², the
+  // largest of all channels. n: channels of the same transaction in the fit; τ = ẏ u: the part of a channel's noise σ
+  // that the errors u of the instants make (docs/method.md, Cross-check).
+  [[nodiscard]] static double widened(const ModalFit& fit, const HoldNow& now, const SharedInstants& instants) noexcept;
+  // widened: of the variances. extra: variance to add to either component of the pole.
+  void describe(const ModalFit& fit, std::size_t m, const HoldNow& now, std::span<const double> left_over,
+                double widened, double extra, SeenMode& mode) noexcept;
 
   std::array<SeenMode, ModalMotion::kMaxModes> modes_;
   SeenMode now_;

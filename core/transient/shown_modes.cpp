@@ -9,6 +9,7 @@ namespace dwell {
 ShownModes::ShownModes(ChainPoles& chain, int channels, int harmonics, int modes, const FrequencyPrior& stated)
     : chain_(chain),
       seen_(channels),
+      instants_(channels),
       whole_(channels, harmonics, modes, stated),
       imposed_(static_cast<std::size_t>(channels)),
       left_over_(static_cast<std::size_t>(channels)) {}
@@ -21,9 +22,10 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
     left_over_[i] = modes.usable(c) ? std::max(0.0, noise.unexplained(c, modes, now)) : 0.0;
     imposed_[i] = now.channels[i].imposed;
   }
+  instants_.look(fit, now);
   modes.step_poles(PoleSearch::kTrust, now.omega_given ? 0.0 : PoleSearch::kTrustOmega);
   modes.propagate_poles(now.omega_given);
-  seen_.take(modes, now, left_over_);
+  seen_.take(modes, now, instants_, left_over_);
   const std::int64_t oldest_ns = fit.history()[fit.history().begin()].t_ns;
   if (!noise.explained(modes, now) || oldest_ns > modes.t0_ns()) return;
   const WholeHold::Given given{
@@ -33,7 +35,7 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
   // A fit that explains more of the hold replaces all before. A mode that only the replaced fits show was none.
   for (whole_.begin(given); whole_.earlier(given);) {
     seen_.clear();
-    seen_.take(whole_.fit(), now, left_over_);
+    seen_.take(whole_.fit(), now, instants_, left_over_);
   }
 }
 

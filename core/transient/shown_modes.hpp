@@ -28,6 +28,7 @@ class ShownModes {
  private:
   ChainPoles& chain_;
   SeenModes seen_;
+  SharedInstants instants_;
   WholeHold whole_;
   std::vector<char> imposed_;      // per channel: it shows the table
   std::vector<double> left_over_;  // per channel, variance of its residuals beyond the noise

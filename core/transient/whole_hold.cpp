@@ -128,7 +128,9 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
     const SampleHistory::Sample& s = given.history[i];
     PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
     given.history.spend(kOfChance);
-    if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? channel.early_part : channel.late_part)) continue;
+    if (!given.latest.usable(s.channel) || s.held_up ||
+        chance(i) >= (i < late ? channel.early_part : channel.late_part))
+      continue;
     given.history.spend(fit_.add(s.channel, s.t_ns, s.value));
     channel.low = std::min(channel.low, s.value);
     channel.high = std::max(channel.high, s.value);
@@ -202,7 +204,7 @@ bool WholeHold::explains(const Given& given) noexcept {
       const SampleHistory::Sample& s = given.history[i];
       PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
       // Only samples that were fitted: the residuals of others hold the errors of the fit beside the noise.
-      if (!fit_.usable(s.channel) || chance(i) >= channel.early_part) continue;
+      if (!fit_.usable(s.channel) || s.held_up || chance(i) >= channel.early_part) continue;
       given.history.spend(fit_.work_of_residual());
       const double r = fit_.residual(s.channel, s.t_ns, s.value);
       channel.squares += r * r;
@@ -247,7 +249,7 @@ bool WholeHold::add_pole(const Given& given) noexcept {
   for (PerChannel& channel : channels_) std::fill(channel.lines.begin(), channel.lines.end(), Complex{});
   for (std::uint64_t i = first; i < end; ++i) {
     const SampleHistory::Sample& s = given.history[i];
-    if (!fit_.usable(s.channel) || chance(i) >= part) continue;
+    if (!fit_.usable(s.channel) || s.held_up || chance(i) >= part) continue;
     given.history.spend(kOfLine * static_cast<double>(lines));
     std::vector<Complex>& sums = channels_[static_cast<std::size_t>(s.channel)].lines;
     const Complex step = std::polar(1.0, grid * to_s(s.t_ns - from_ns_));

@@ -29,7 +29,7 @@ struct FreeMotion {
   std::vector<FittedChannel> channels{2};
   HoldFit fit{history, 2, 1, 6, {}};
   ResidualNoise noise{2};
-  double seconds = 0.0;
+  double seconds = 0.0, instant_u_s = 0.0;  // both channels are read that much earlier or later than stamped
   std::mt19937_64 random;
   std::normal_distribution<double> normal;
 
@@ -45,16 +45,17 @@ struct FreeMotion {
   void play(double more_s, const Beside& beside = nothing, double mode = 0.3) {
     const auto from = static_cast<int>(std::lround(seconds * kSamples_hz));
     seconds += more_s;
-    for (int i = from; i < static_cast<int>(std::lround(seconds * kSamples_hz)); ++i)
-      for (int c = 0; c < 2; ++c) {
-        const double t = i / kSamples_hz;
-        history.push(to_ns(t), c,
+    for (int i = from; i < static_cast<int>(std::lround(seconds * kSamples_hz)); ++i) {
+      const double t = i / kSamples_hz + (instant_u_s > 0 ? instant_u_s * normal(random) : 0.0);
+      for (int c = 0; c < 2; ++c)
+        history.push(to_ns(i / kSamples_hz), c,
                      std::sin(kDrive * t + c) + (mode * (c + 1) * std::exp(kMode * t)).real() + beside(c, t) +
                          kRms * normal(random));
-      }
+    }
   }
   void learn_noise() {
-    for (int c = 0; c < 2; ++c) noise.learn(c, 400 * kRms * kRms, 400);
+    const double variance = kRms * kRms + 0.5 * std::pow(kDrive * instant_u_s, 2);
+    for (int c = 0; c < 2; ++c) noise.learn(c, 400 * variance, 400);
   }
   [[nodiscard]] HoldNow now() const { return {to_ns(seconds), 0, kDrive, true, 0, channels}; }
   // The fit of all since from_s by these poles; its misfit.

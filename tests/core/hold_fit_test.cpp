@@ -33,6 +33,21 @@ TEST(HoldFit, LeavesOutAChannelThatIsNotWatched) {
   EXPECT_FALSE(motion.fit.fit().usable(1));
 }
 
+TEST(HoldFit, LeavesOutAnswersThatWereHeldUp) {
+  FreeMotion motion(3);
+  motion.play(2);
+  for (int c = 0; c < 2; ++c) motion.history.push(to_ns(2.0), c, 100.0, true);
+  motion.seconds = 2.0 + 1 / FreeMotion::kSamples_hz;
+  motion.play(2);
+  motion.fit_all(1.0, kTrueMode);
+  EXPECT_EQ(motion.fit.fit().samples(0), 3 * FreeMotion::kSamples_hz);
+  EXPECT_LT(motion.fit.fit().variance(0), 2 * FreeMotion::kRms * FreeMotion::kRms);
+  motion.fit.each_residual(to_ns(1.0), [](const SampleHistory::Sample& sample, double residual) {
+    EXPECT_FALSE(sample.held_up);
+    EXPECT_LT(std::abs(residual), 10 * FreeMotion::kRms);
+  });
+}
+
 TEST(HoldFit, GivesAnImposedMotionNoTransient) {
   FreeMotion motion(3);
   motion.channels[0].imposed = true;

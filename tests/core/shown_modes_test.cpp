@@ -43,6 +43,35 @@ TEST(ShownModes, OfAFitThatDoesNotExplainTheDataKeepsOnlyWhatItShows) {
   for (const SeenMode& mode : motion.shown.modes()) EXPECT_LT(mode.pole.imag(), 60.0);
 }
 
+// Mean χ² of the mode's pole over many motions; 2 for normal errors of the stated covariance.
+double mean_chi2(double instant_u_s) {
+  constexpr int kMotions = 300;
+  double sum = 0.0;
+  int shown = 0;
+  for (int i = 0; i < kMotions; ++i) {
+    ShownMotion motion(static_cast<std::uint64_t>(100 + i));
+    motion.instant_u_s = instant_u_s;
+    motion.play(4, FreeMotion::nothing, 0.1);
+    motion.learn_noise();
+    motion.fit_from(0.2, {FreeMotion::kMode});
+    if (motion.shown.modes().size() != 1) continue;
+    const SeenMode& mode = motion.shown.modes()[0];
+    const Complex off = mode.pole - FreeMotion::kMode;
+    const Eigen::Vector2d pair(off.real(), off.imag());
+    sum += pair.dot(mode.pole_covariance().ldlt().solve(pair));
+    ++shown;
+  }
+  EXPECT_GE(shown, kMotions - 10) << "a sound mode goes unused now and then";
+  return sum / shown;
+}
+
+TEST(ShownModes, APoleIsKnownNoBetterThanInstantsAllowThatItsChannelsShare) {
+  EXPECT_NEAR(mean_chi2(0.0), 2.0, 0.5);  // four standard deviations of such a mean
+  const double shared = mean_chi2(4e-4);  // ten times the noise
+  EXPECT_LT(shared, 2.5);
+  EXPECT_GT(shared, 0.5) << "needlessly wide";
+}
+
 TEST(ShownModes, ANewHoldHasShownNothing) {
   ShownMotion motion(3);
   motion.play(8);

@@ -80,6 +80,8 @@ test('a dwell settles and is measured: each coefficient with ± and unit', async
   await page.waitForSelector('#coefficients[data-source=measured] .element');
   assert.equal(await textOf(page, '#rig'), 'clamped bench, three masses');
   assert.match(await textOf(page, '#facts'), /frequency\s+[34]\.\d+ ± 0\.\d+ Hz/);
+  // In the first second of a dwell a drive may not look steady yet: one in a few hundred on a busy machine.
+  await page.waitForFunction(() => !document.querySelector('.coefficient .number.doubted'));
   const numbers = await texts(page, '.coefficient .number');
   assert.equal(numbers.length, 8);
   for (const [i, number] of numbers.entries()) assert.match(number, i % 2 ? /^\d+(\.\d+)? ± \d+(\.\d+)? N·s\/m$/ : /^\d+\.\d+ ± \d\.\d+ kN\/m$/);
