@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <cmath>
+
 #include "tests/core/free_motion.hpp"
 
 namespace dwell {
