@@ -64,7 +64,8 @@ double mean_chi2(double instant_u_s) {
     sum += pair.dot(mode.pole_covariance().ldlt().solve(pair));
     ++shown;
   }
-  EXPECT_GE(shown, kMotions - 10) << "a sound mode goes unused now and then";
+  // By chance the channels seem to disagree about the pole in one motion of a thousand; four of 600 were seen.
+  EXPECT_GE(shown, kMotions - 10);
   return sum / shown;
 }
 
