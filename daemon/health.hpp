@@ -55,6 +55,9 @@ struct Health {
   // A dwell is being measured, all its coefficients may be relied on, none is stale, and the interlock is not open.
   bool ready = false;
   std::string run{};  // whether a run goes on and is recorded: a fact, no fault
+  // Limits of which nothing is known now: the rig is measured, and the number is withheld, doubted or stale, or not
+  // there yet. An alarm of one stays as it is; no alarm begins. The text says why.
+  std::vector<Trouble> unknown{};
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 

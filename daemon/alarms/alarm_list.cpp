@@ -68,8 +68,9 @@ std::optional<AlarmChange> AlarmList::raise(const Trouble& trouble, const record
   return AlarmChange{before, alarm};
 }
 
-// A trouble found by this call and by the last one has lasted for the time between them. Any other has faded.
-void AlarmList::weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns) {
+// A trouble found by this call and by the last one has lasted for the time between them. One that is unknown is as it
+// was. Any other has faded.
+void AlarmList::weigh(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown, std::int64_t raw_ns) {
   const std::int64_t passed_ns = lasting_.empty() ? 0 : raw_ns - looked_ns_;
   looked_ns_ = raw_ns;
   std::set<std::string_view> present;
@@ -77,8 +78,16 @@ void AlarmList::weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns)
     present.insert(trouble.name);
     lasting_.emplace(trouble.name, Lasting{0, raw_ns, false});
   }
+  std::set<std::string_view> untold;
+  for (const Trouble& trouble : unknown) untold.insert(trouble.name);
   for (auto at = lasting_.begin(); at != lasting_.end();) {
     Lasting& lasting = at->second;
+    if (untold.count(at->first) > 0) {
+      lasting.present = false;
+      lasting.seen_ns += passed_ns;
+      ++at;
+      continue;
+    }
     const bool was_present = std::exchange(lasting.present, present.count(at->first) > 0);
     const std::int64_t change_ns = was_present && lasting.present ? passed_ns : -passed_ns / kFade;
     lasting.lasted_ns = std::clamp(lasting.lasted_ns + change_ns, std::int64_t{0}, kLasts_ns);
@@ -88,10 +97,11 @@ void AlarmList::weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns)
   }
 }
 
-std::vector<AlarmChange> AlarmList::follow(const std::vector<Trouble>& troubles, const record::ClockPair& now) {
+std::vector<AlarmChange> AlarmList::follow(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown,
+                                           const record::ClockPair& now) {
   std::vector<AlarmChange> told;
   std::set<std::string_view> known;
-  weigh(troubles, now.raw_ns);
+  weigh(troubles, unknown, now.raw_ns);
   left_out_ = 0;
   for (const Trouble& trouble : troubles) {
     if (!known.insert(trouble.name).second) continue;  // two of one name: the first counts
@@ -102,6 +112,9 @@ std::vector<AlarmChange> AlarmList::follow(const std::vector<Trouble>& troubles,
       if (auto raised = raise(trouble, now)) told.push_back(std::move(*raised));
     }
   }
+  for (const Trouble& trouble : unknown)
+    if (const auto alarm = alarms_.find(trouble.name); alarm != alarms_.end() && is_active(alarm->second.state))
+      alarm->second.text = trouble.text;
   for (auto at = alarms_.begin(); at != alarms_.end();) {
     Alarm& alarm = at->second;
     const AlarmState before = alarm.state;

@@ -64,9 +64,11 @@ class AlarmList {
   // Alarms at a time; nobody reads more. Further ones are counted, and enter once there is room.
   static constexpr std::size_t kMost = 200;
 
-  // troubles: all that is wrong now. Returns the changes that are to be told. Of an alarm that flaps and that nobody
+  // troubles: all that is wrong now. unknown: what may be wrong, and nothing tells of it now; its time stands still,
+  // and an active alarm gets its text. Returns the changes that are to be told. Of an alarm that flaps and that nobody
   // acknowledges these are only its first raising and its first return.
-  std::vector<AlarmChange> follow(const std::vector<Trouble>& troubles, const record::ClockPair& now);
+  std::vector<AlarmChange> follow(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown,
+                                  const record::ClockPair& now);
   // by: who, for people to read; comment: empty: none. Fails with the reason why there is nothing to acknowledge.
   tl::expected<AlarmChange, std::string> acknowledge(const std::string& name, const std::string& by,
                                                      const std::string& comment, const record::ClockPair& now);
@@ -83,12 +85,12 @@ class AlarmList {
   // What is remembered of a trouble. Instants on CLOCK_MONOTONIC_RAW.
   struct Lasting {
     std::int64_t lasted_ns = 0;  // how long it has lasted, less what has faded; at most kLasts_ns
-    std::int64_t seen_ns = 0;    // the last follow() that found it
+    std::int64_t seen_ns = 0;    // the last follow() that found it, later by the time in which it was unknown
     bool present = false;        // that follow() was the last one
   };
   std::optional<AlarmChange> raise(const Trouble& trouble, const record::ClockPair& now);
   // Brings lasting_ up to date.
-  void weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns);
+  void weigh(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown, std::int64_t raw_ns);
 
   std::map<std::string, Alarm> alarms_;     // by name; none is normal
   std::map<std::string, Lasting> lasting_;  // by name; forgotten once wholly faded and absent for kGone_ns

@@ -34,7 +34,7 @@ void Alarms::tell(const AlarmChange& change) {
 }
 
 void Alarms::look(const Health& health, const record::ClockPair& now) {
-  for (const AlarmChange& change : list_.follow(health.troubles, now)) tell(change);
+  for (const AlarmChange& change : list_.follow(health.troubles, health.unknown, now)) tell(change);
 }
 
 tl::expected<void, std::string> Alarms::acknowledge(const std::string& name, const std::string& comment,

@@ -14,10 +14,10 @@ namespace {
 struct AlarmListTest : testing::Test {
   [[nodiscard]] record::ClockPair now() const { return {t_ns, 1'700'000'000 * kSecond_ns + t_ns}; }
   // Time goes on with these troubles, looked at ten times a second.
-  void run(const std::vector<Trouble>& troubles, int tenths) {
+  void run(const std::vector<Trouble>& troubles, int tenths, const std::vector<Trouble>& unknown = {}) {
     for (int i = 0; i < tenths; ++i) {
       t_ns += kSecond_ns / 10;
-      for (AlarmChange& change : list.follow(troubles, now())) told.push_back(std::move(change));
+      for (AlarmChange& change : list.follow(troubles, unknown, now())) told.push_back(std::move(change));
     }
   }
   void last(const std::vector<Trouble>& troubles) { run(troubles, 11); }
@@ -44,6 +44,7 @@ struct AlarmListTest : testing::Test {
 
   const Trouble stale{"channel:y1", "channel y1: timeout"};
   const Trouble full{"recording", "recording: disk full"};
+  const Trouble withheld{"channel:y1", "channel y1: not known"};
   std::int64_t t_ns = 5 * kSecond_ns;
   AlarmList list;
   std::vector<AlarmChange> told;
@@ -70,6 +71,34 @@ TEST(AlarmStates, EveryInputHasOneConsequenceInEveryState) {
                {S::returned, I::acknowledge, S::normal}};
   for (const auto& row : table)
     EXPECT_EQ(next(row.state, row.input), row.after) << to_string(row.state) << " " << static_cast<int>(row.input);
+}
+
+// A limit's number was withheld for 5 s: the alarm was over, and began anew without its acknowledgement.
+TEST_F(AlarmListTest, AnAlarmAndItsAcknowledgementStayWhileNothingTellsOfIt) {
+  last({stale});
+  EXPECT_EQ(acknowledge("channel:y1"), "");
+  run({}, 50, {withheld});
+  EXPECT_EQ(all(), "channel:y1 acknowledged 1");
+  EXPECT_EQ(list.alarms()[0].text, "channel y1: not known");
+  last({stale});
+  EXPECT_EQ(all(), "channel:y1 acknowledged 1");
+  EXPECT_EQ(list.alarms()[0].text, "channel y1: timeout");
+  run({}, 50, {withheld});
+  rest();
+  EXPECT_EQ(all(), "");
+}
+
+TEST_F(AlarmListTest, WhatNothingTellsOfIsNoAlarmAndDoesNotBringABackAnAlarmThatIsOver) {
+  run({}, 50, {withheld});
+  run({stale}, 9);
+  run({}, 50, {withheld});
+  EXPECT_EQ(all(), "");
+  run({stale}, 4);  // the time before and after adds up
+  rest();
+  EXPECT_EQ(all(), "channel:y1 returned-unacknowledged 1");
+  run({}, 50, {withheld});
+  EXPECT_EQ(all(), "channel:y1 returned-unacknowledged 1");
+  EXPECT_EQ(list.alarms()[0].text, "channel y1: timeout");
 }
 
 TEST_F(AlarmListTest, WhatIsWrongIsAnAlarmOnceItHasLastedASecond) {

@@ -78,8 +78,8 @@ struct ApiSchemaTest : testing::Test {
     rig.channels[0].calibration.id = "K-2231";
     rig.channels[0].calibration.due = "2027-03-31";
     rig.channels[1].calibration.id = "K-2232";
-    alarms.follow({{"channel:y2", "channel y2: timeout"}}, {0, 0});
-    alarms.follow({{"channel:y2", "channel y2: timeout"}, {"log", ""}}, {AlarmList::kLasts_ns, 1});
+    alarms.follow({{"channel:y2", "channel y2: timeout"}}, {}, {0, 0});
+    alarms.follow({{"channel:y2", "channel y2: timeout"}, {"log", ""}}, {}, {AlarmList::kLasts_ns, 1});
   }
   [[nodiscard]] ServiceView view() const {
     ServiceView now{rig, run, snapshot};

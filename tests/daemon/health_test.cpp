@@ -114,6 +114,32 @@ TEST_F(HealthTest, KnowsOfAViolatedLimitOnlyWhileItIsMeasured) {
   EXPECT_EQ(names(), (std::vector<std::string>{"service"}));
 }
 
+TEST_F(HealthTest, DoesNotKnowOfALimitWhoseNumberIsWithheldWhileTheRigIsMeasured) {
+  rig.limits = {{1, Bounds{7500.0, 8500.0}, std::nullopt}};
+  snapshot.dwell.elements[0].k = 1;
+  const auto unknown = [this] {
+    std::string text;
+    for (const Trouble& one : judge().unknown) text += one.name + " " + one.text + "; ";
+    return text;
+  };
+  for (const double stiffness : {9000.0, 8550.0, 8000.0}) {  // violated, undecided, kept
+    snapshot.dwell.elements[0].stiffness = {stiffness, 50.0, 100.0, 100.0, true};
+    EXPECT_EQ(unknown(), "") << stiffness;
+  }
+  snapshot.dwell.state = State::settling;
+  EXPECT_EQ(unknown(),
+            "limit:stiffness:1 limit was violated; no verdict now on the stiffness of element 1: "
+            "not settled; ");
+  EXPECT_TRUE(names().empty());
+  snapshot.dwell.state = State::complete;
+  EXPECT_EQ(unknown(), "") << "nothing is measured any more";
+  snapshot.dwell.state = State::measuring;
+  now_ns = 2'600'000'000;
+  EXPECT_EQ(unknown(),
+            "limit:stiffness:1 limit was violated; no verdict now on the stiffness of element 1: "
+            "the estimate is stale; ");
+}
+
 TEST_F(HealthTest, StaysOkWhereOnlyTheComputersClockIsNotSynchronized) {
   synchronized = false;
   expect(Health::Status::ok, true, "");
