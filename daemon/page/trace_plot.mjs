@@ -4,9 +4,10 @@ import { ageText, plainText } from './number.mjs';
 import { shortened, shortNames } from './polar.mjs';
 
 const LEFT = 8; // px, room before the first bin
-const FOOT = 22; // px, for the times
 const SHARPEST = 2; // device pixels for one of the page's at most: more costs time and shows nothing
-const LABEL = 12; // px
+// Letters: px at least, and rem (a wall display has large ones) as far as a lane has room for them.
+const LETTERS = { least: 12, rem: 0.75, around: 4 };
+const BELOW = 10; // px, around the times
 // Room for a channel's name: part of the width, and px at least.
 const NAME = { part: 0.2, least: 130 };
 
@@ -37,7 +38,9 @@ export class TracePlot {
   #context;
   #style;
   #wide = 0; // px, of the picture that is being drawn: each question for clientWidth may cost a layout
-  #short = { of: null, width: 0, names: [] }; // measured once for each set of names and width
+  #rem = 16; // px, measured where the canvas has another size
+  #size = LETTERS.least; // px, of the letters of the picture that is being drawn
+  #short = { of: null, width: 0, size: 0, names: [] }; // measured once for each set of names, width and size
 
   constructor(canvas) {
     this.#canvas = canvas;
@@ -70,33 +73,39 @@ export class TracePlot {
     if (this.#canvas.width !== Math.round(width * sharp) || this.#canvas.height !== Math.round(height * sharp)) {
       this.#canvas.width = Math.round(width * sharp);
       this.#canvas.height = Math.round(height * sharp);
+      this.#rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
     }
+    const lanes = Math.max(window.names.length, 1);
+    const room = (height - LETTERS.least - BELOW) / lanes - LETTERS.around;
+    this.#size = Math.round(Math.max(LETTERS.least, Math.min(LETTERS.rem * this.#rem, room)));
+    const foot = this.#size + BELOW;
     c.setTransform(sharp, 0, 0, sharp, 0, 0);
     c.fillStyle = this.#style.sheet;
     c.fillRect(0, 0, width, height);
-    c.font = `${LABEL}px system-ui, "DejaVu Sans", sans-serif`;
-    this.#marks(view, width, height);
-    const lane = (height - FOOT) / Math.max(window.names.length, 1);
+    c.font = `${this.#size}px system-ui, "DejaVu Sans", sans-serif`;
+    this.#marks(view, width, height, height - foot);
+    const lane = (height - foot) / lanes;
     c.lineWidth = 1;
     const names = this.#namesOf(window.names, width);
     window.names.forEach((_, channel) => this.#lane(window, channel, names[channel], view, channel * lane, lane, ages[channel] ?? null));
-    for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height);
+    for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height - foot);
   }
 
   // Names that are cut stand in full in the canvas' title, in their order.
   #namesOf(of, width) {
-    if (this.#short.of === of && this.#short.width === width) return this.#short.names;
+    if (this.#short.of === of && this.#short.width === width && this.#short.size === this.#size) return this.#short.names;
     const [whole, room] = [of.map(readable), Math.max(NAME.least, NAME.part * width)];
     const names = shortNames(whole, (text) => this.#context.measureText(text).width <= room);
-    this.#short = { of, width, names };
+    this.#short = { of, width, size: this.#size, names };
     this.#canvas.title = names.some((name, i) => name !== whole[i]) ? `From above: ${whole.join(', ')}` : '';
     return names;
   }
 
-  #marks(view, width, height) {
+  // bottom: of the lanes.
+  #marks(view, width, height, bottom) {
     const c = this.#context;
     const range = view.to_s - view.from_s;
-    const step = markStep(range, Math.max(2, width / 110));
+    const step = markStep(range, Math.max(2, width / (9.2 * this.#size)));
     c.strokeStyle = this.#style.line;
     c.fillStyle = this.#style.faint;
     c.textAlign = 'center';
@@ -105,9 +114,9 @@ export class TracePlot {
     for (let steps = 0; steps * step <= range * (1 + 1e-9); ++steps) {
       const x = Math.round(this.#x(view.to_s - steps * step, view)) + 0.5;
       c.moveTo(x, 0);
-      c.lineTo(x, height - FOOT);
+      c.lineTo(x, bottom);
       c.textAlign = steps === 0 ? 'right' : 'center';
-      if (x > 30) c.fillText(steps === 0 ? view.end : markText(steps, step), steps === 0 ? x + LEFT : x, height - 6);
+      if (x > 2.5 * this.#size) c.fillText(steps === 0 ? view.end : markText(steps, step), steps === 0 ? x + LEFT : x, height - BELOW / 2 - 1);
     }
     c.stroke();
   }
@@ -176,12 +185,13 @@ export class TracePlot {
     const text = shortened(readable(`${name}${scale}`), (part) => c.measureText(part).width <= this.#wide - 10);
     c.textAlign = 'left';
     c.fillStyle = this.#style.sheet;
-    c.fillRect(0, top + 1, c.measureText(text).width + 10, LABEL + 3);
+    c.fillRect(0, top + 1, c.measureText(text).width + 10, this.#size + 3);
     c.fillStyle = this.#style.ink;
-    c.fillText(text, 5, top + LABEL + 2);
+    c.fillText(text, 5, top + this.#size + 2);
   }
 
-  #cursor(name, t_s, view, height) {
+  // Its name stands above the times, which it would cover.
+  #cursor(name, t_s, view, bottom) {
     const c = this.#context;
     const x = Math.round(this.#x(t_s, view)) + 0.5;
     c.strokeStyle = this.#style.ink;
@@ -189,14 +199,14 @@ export class TracePlot {
     c.lineWidth = 2;
     c.beginPath();
     c.moveTo(x, 0);
-    c.lineTo(x, height - FOOT);
+    c.lineTo(x, bottom);
     c.stroke();
     c.setLineDash([]);
     c.lineWidth = 1;
     c.fillStyle = this.#style.ink;
-    c.fillRect(x - 8, height - FOOT, 16, 15);
+    c.fillRect(x - this.#size * 2 / 3, bottom - this.#size - 3, this.#size * 4 / 3, this.#size + 3);
     c.fillStyle = this.#style.sheet;
     c.textAlign = 'center';
-    c.fillText(name, x, height - FOOT + 12);
+    c.fillText(name, x, bottom - 3);
   }
 }

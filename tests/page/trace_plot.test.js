@@ -8,24 +8,28 @@ const WIDTH = 1016; // px: 10 px a bin, 8 px of margin on both sides
 const BINS = 100;
 
 // Draws one channel, whose bins reach from min[i] to max[i]. Returns what was drawn, in order: ['move', x, y],
-// ['line', x, y] or ['text', x, letters].
-function penOf({ min, max = min, breaks = [] }, { width = WIDTH, view = { from_s: 0, to_s: BINS, end: 'now' } } = {}) {
+// ['line', x, y] or ['text', x, letters, y, px]. rem: px. cursors: instants with their names.
+function penOf({ min, max = min, breaks = [] }, { width = WIDTH, height = 100, rem = 16, cursors = [], view = { from_s: 0, to_s: BINS, end: 'now' } } = {}) {
   globalThis.document = { documentElement: null };
-  globalThis.getComputedStyle = () => ({ getPropertyValue: () => '' });
+  globalThis.getComputedStyle = () => ({ getPropertyValue: () => '', fontSize: `${rem}px` });
   globalThis.devicePixelRatio = 1;
   const steps = [];
+  let size = 0;
   const context = new Proxy({}, {
     get: (_, name) => ({
       moveTo: (x, y) => steps.push(['move', x, y]),
       lineTo: (x, y) => steps.push(['line', x, y]),
-      fillText: (text, x) => steps.push(['text', x, text]),
+      fillText: (text, x, y) => steps.push(['text', x, text, y, size]),
       measureText: () => ({ width: 0 }),
     }[name] ?? (() => {})),
-    set: () => true,
+    set: (_, name, value) => {
+      if (name === 'font') size = parseFloat(value);
+      return true;
+    },
   });
   const channel = { name: 'y0', unit: 'mm', min, max, breaks };
   const window = new TraceWindow({ origin_utc: '2026-11-23T07:00:00.000000Z', step_s: 1, from_s: 0, bins: BINS, less_dwell: null, channels: [channel] });
-  new TracePlot({ getContext: () => context, clientWidth: width, clientHeight: 100 }).draw(window, view, [], [null]);
+  new TracePlot({ getContext: () => context, clientWidth: width, clientHeight: height }).draw(window, view, cursors, [null]);
   return steps;
 }
 
@@ -90,4 +94,17 @@ test('a mark of time tells its own instant, in every view and at every width', (
         assert.ok(Math.abs(told - at) <= 1.01 * span / (width - 16), `"${text}" stands at ${at} s, of ${span} s on ${width} px`);
       }
     }
+});
+
+test('letters are as large as the display has them, where a lane has room, and none stands on another', () => {
+  const written = (options) => penOf({ min: readings(1, 2) }, options).filter(([does]) => does === 'text');
+  for (const [rem, height, size] of [[16, 100, 12], [16, 20, 12], [48, 100, 36], [48, 50, 24], [48, 30, 12]])
+    for (const [, , text, , px] of written({ rem, height })) assert.equal(px, size, `"${text}" at a rem of ${rem} px, ${height} px high`);
+  for (const rem of [16, 48]) {
+    const texts = written({ rem, cursors: [['A', 25], ['B', 100]] });
+    const line = (wanted) => texts.find(([, , text]) => text === wanted)[3];
+    const size = texts[0][4];
+    assert.ok(line('now') < 100 && line('A') === line('B'));
+    assert.ok(line('A') < line('now') - size, `a cursor's name at ${line('A')}, the times at ${line('now')}`);
+  }
 });
