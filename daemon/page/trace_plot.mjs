@@ -85,7 +85,7 @@ export class TracePlot {
     c.font = `${this.#size}px system-ui, "DejaVu Sans", sans-serif`;
     this.#marks(view, width, height, height - foot);
     const lane = (height - foot) / lanes;
-    c.lineWidth = 1;
+    c.lineWidth = this.#size / LETTERS.least;
     const names = this.#namesOf(window.names, width);
     window.names.forEach((_, channel) => this.#lane(window, channel, names[channel], view, channel * lane, lane, ages[channel] ?? null));
     for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height - foot);
@@ -196,13 +196,13 @@ export class TracePlot {
     const x = Math.round(this.#x(t_s, view)) + 0.5;
     c.strokeStyle = this.#style.ink;
     c.setLineDash(name === 'A' ? [] : [5, 3]); // told apart without colour
-    c.lineWidth = 2;
+    c.lineWidth *= 2;
     c.beginPath();
     c.moveTo(x, 0);
     c.lineTo(x, bottom);
     c.stroke();
     c.setLineDash([]);
-    c.lineWidth = 1;
+    c.lineWidth /= 2;
     c.fillStyle = this.#style.ink;
     c.fillRect(x - this.#size * 2 / 3, bottom - this.#size - 3, this.#size * 4 / 3, this.#size + 3);
     c.fillStyle = this.#style.sheet;
