@@ -270,9 +270,10 @@ struct ChainWriter::Impl {
       return fails(path + ": " + std::strerror(errno));
     if (first_text(database.get(), "PRAGMA journal_mode = MEMORY") != "memory")
       return fails(sqlite_error(database.get(), path));
+    // Before it is closed: afterwards somebody else in this process may have it open already, see synchronize().
+    Result<void> safe_without_log = synchronize_database();
     database.reset();
-    if (!synchronize(path)) return fails(path + ": " + std::strerror(errno));
-    return {};
+    return safe_without_log;
   }
 };
 

@@ -32,7 +32,8 @@ class OpenFile {
 [[nodiscard]] std::string system_text(int error);
 
 // flags, mode: as of open(2). Never waits for another process. Truncates nothing but a regular file. Fails with
-// "PATH: reason".
+// "PATH: reason". Not for a database that this process may also write: closing the file would take away SQLite's locks
+// on it (database_bytes.hpp).
 [[nodiscard]] Result<OpenFile> open_regular(const std::string& path, int flags = O_RDONLY, mode_t mode = 0644);
 // The same for reading; none if there is no such file.
 [[nodiscard]] Result<OpenFile> open_regular_if_there(const std::string& path);

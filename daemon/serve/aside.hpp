@@ -50,6 +50,12 @@ class Aside {
       });
   }
 
+  // Destroys `thing`, which may take long, on the thread; after it is done with all that was asked for before.
+  template <class Thing>
+  void drop(std::shared_ptr<Thing> thing) {
+    if (thread_) (void)thread_->post([thing = std::move(thing)](const auto&) {});
+  }
+
   // Forgets what was asked for: no `then` is called any more.
   void close() {
     {

@@ -19,8 +19,8 @@ namespace dwell {
 
 class Downloads {
  public:
-  // The connection, as its download sees it. What the functions hold keeps it alive until the download has ended; one
-  // of refuse, sent and failed is the last that is called.
+  // The connection, as its download sees it. What the functions hold keeps it and its server alive until the download
+  // has ended; one of refuse, sent and failed is the last that is called.
   struct Client {
     boost::beast::tcp_stream& stream;
     std::chrono::milliseconds time;                        // for the client to take a piece
@@ -56,7 +56,10 @@ class Downloads {
       ++*under_way_;
       client_.stream.expires_never();  // the disk has no deadline: a download whose disk hangs keeps its place
     }
-    ~Sending() { --*under_way_; }
+    ~Sending() {
+      if (file_) files_.forget(std::move(file_));
+      --*under_way_;
+    }
     Sending(const Sending&) = delete;
     Sending& operator=(const Sending&) = delete;
 

@@ -1,7 +1,6 @@
 #include "daemon/serve/file_reader.hpp"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -10,36 +9,34 @@
 #include <thread>
 #include <utility>
 
-#include "daemon/record/regular_file.hpp"
+#include "daemon/record/database_bytes.hpp"
+#include "daemon/record/file_identity.hpp"
 
 namespace dwell {
 
 // Used by the thread `downloads` alone.
 class FileReader::OpenedFile {
  public:
-  OpenedFile(record::OpenFile file, const struct stat& status) : file_(std::move(file)), status_(status) {}
+  OpenedFile(std::string path, const record::FileIdentity& identity, record::DatabaseBytes file)
+      : path_(std::move(path)), identity_(identity), file_(std::move(file)), bytes_(file_.size()) {}
 
-  [[nodiscard]] std::uint64_t bytes() const { return static_cast<std::uint64_t>(status_.st_size); }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
   std::string next() {
-    struct stat now {};
-    const bool same = ::fstat(file_.get(), &now) == 0 && now.st_size == status_.st_size &&
-                      now.st_mtim.tv_sec == status_.st_mtim.tv_sec && now.st_mtim.tv_nsec == status_.st_mtim.tv_nsec;
-    if (!same) return {};
-    std::string piece(std::min<std::uint64_t>(kPieceBytes, bytes() - at_), '\0');
-    for (std::size_t have = 0; have < piece.size();) {
-      const auto got = ::pread(file_.get(), piece.data() + have, piece.size() - have, static_cast<off_t>(at_ + have));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return {};
-      have += static_cast<std::size_t>(got);
-    }
+    // One that was removed stays as it is: nobody commits to a file without a name.
+    const record::FileIdentity now = record::identity_of(path_);
+    if (now != identity_ && now != record::FileIdentity{}) return {};
+    std::string piece(std::min<std::uint64_t>(kPieceBytes, bytes_ - at_), '\0');
+    if (!file_.read(at_, piece.data(), piece.size())) return {};
     at_ += piece.size();
     return piece;
   }
 
  private:
-  record::OpenFile file_;
-  struct stat status_;
+  const std::string path_;
+  const record::FileIdentity identity_;
+  const record::DatabaseBytes file_;
+  const std::uint64_t bytes_;
   std::uint64_t at_ = 0;
 };
 
@@ -59,14 +56,14 @@ void FileReader::open(std::string path, std::function<void(Opening)> done) {
         try {
           struct stat status {
           }, log{};
+          const record::FileIdentity identity = record::identity_of(path);
           if (::stat((path + "-wal").c_str(), &log) == 0 && log.st_size > 0)
             return refused(409, "a part of this run is in a -wal file beside it: expected a run that was closed");
-          auto file = record::open_regular(path, O_RDONLY | O_NOFOLLOW);
+          auto file = record::DatabaseBytes::open(path);
           if (!file && ::lstat(path.c_str(), &status) != 0 && errno == ENOENT)
             return refused(404, "this run's file is no longer there: it was deleted a moment ago");
           if (!file) return refused(409, "this run's file cannot be read: " + file.error());
-          if (::fstat(file->get(), &status) != 0) return refused(409, "this run's file cannot be read");
-          auto opened = std::make_shared<OpenedFile>(std::move(*file), status);
+          auto opened = std::make_shared<OpenedFile>(path, identity, std::move(*file));
           const std::uint64_t bytes = opened->bytes();
           return Opened{std::move(opened), bytes};
         } catch (const std::exception&) {
@@ -90,5 +87,7 @@ void FileReader::read(const std::shared_ptr<OpenedFile>& file, std::function<voi
       },
       std::move(done));
 }
+
+void FileReader::forget(std::shared_ptr<OpenedFile> file) { aside_.drop(std::move(file)); }
 
 }  // namespace dwell

@@ -37,6 +37,8 @@ class FileReader {
   // Gives `done` the next piece. Empty: it could not be read, or the file has changed since it was opened. Not to be
   // called after the last piece.
   void read(const std::shared_ptr<OpenedFile>& file, std::function<void(std::string)> done);
+  // Closes the file, aside: it may have been deleted, and then its room on the disk is freed, which takes long.
+  void forget(std::shared_ptr<OpenedFile> file);
 
  private:
   Aside aside_;

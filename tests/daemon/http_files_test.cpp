@@ -8,10 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/record/chain_file.hpp"
 #include "daemon/serve/aside.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "tests/daemon/http_server_fixture.hpp"
 #include "tests/daemon/sockets.hpp"
+#include "tests/record/locked_for_others.hpp"
 
 namespace dwell {
 namespace {
@@ -114,6 +116,32 @@ TEST_F(HttpFilesTest, AFileThatIsDeletedMeanwhileArrivesAndOneThatIsAlteredBreak
       EXPECT_LT(rest.size(), bytes.size() - 1000);
     }
   }
+}
+
+// fcntl(2): a process loses its locks on a file once it closes any descriptor of it.
+TEST_F(HttpFilesTest, ARunThatIsSignedStaysLockedThoughItsDownloadEnds) {
+  using record::ChainSort, record::ChainWriter;
+  const std::string path = folder.path("a.dwell"), origin = "dwell/run/" + std::string(32, 'a');
+  const auto key = *record::SigningKey::make("rig");
+  {
+    ChainWriter run = *ChainWriter::create(path, ChainSort::run, origin, key);
+    ASSERT_TRUE(run.append("stream", 1, std::string(12'000'000, 'x')));
+    ASSERT_TRUE(run.close());
+  }
+  begin();
+  Client client = Client::tcp(port, 4096);
+  client.send(ask_for_file("a.dwell"));
+  client.until("\r\n\r\n");
+  auto signing = ChainWriter::open(path, ChainSort::run, origin, key);
+  ASSERT_TRUE(signing) << signing.error();
+  ASSERT_TRUE(signing->append("signature", 1, "b"));
+  ASSERT_TRUE(signing->commit());
+  ASSERT_TRUE(record::locked_for_others(path));
+  EXPECT_LT(client.all().size(), 12'000'000u) << "the file was altered meanwhile";
+  // One that begins now is refused, behind all that the server had to do for the first one.
+  expect_error(ask(ask_for_file("a.dwell")), 409);
+  EXPECT_TRUE(record::locked_for_others(path));
+  EXPECT_TRUE(signing->close());
 }
 
 TEST_F(HttpFilesTest, WhoDoesNotReadADownloadLosesItsPlace) {

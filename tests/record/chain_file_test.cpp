@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "daemon/record/run_entries.hpp"
+#include "tests/record/locked_for_others.hpp"
 #include "tests/record/scratch.hpp"
 
 namespace dwell::record {
@@ -238,21 +239,6 @@ TEST(ChainFile, NobodyElseWritesWhileAWriterLives) {
   int status = -1;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
-}
-
-// The file, as another process finds it. SQLite's locks are those of fcntl(2), which do not hold off their own process.
-bool locked_for_others(const std::string& path) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-    struct flock lock {};
-    lock.l_type = F_WRLCK;
-    lock.l_whence = SEEK_SET;
-    const bool asked = file >= 0 && ::fcntl(file, F_GETLK, &lock) == 0;
-    ::_exit(asked && lock.l_type != F_UNLCK ? 0 : 1);
-  }
-  int status = -1;
-  return ::waitpid(child, &status, 0) == child && status == 0;
 }
 
 TEST(ChainFile, NoOtherProcessWritesEitherOnceTheLogHasMovedIntoTheFile) {
