@@ -59,7 +59,6 @@ Result<bool> RunAudit::check(ChainAudit& chain) {
   const double all = static_cast<double>(std::max<std::int64_t>(1, options_.progress ? chain.last_seq() : 1));
   std::int64_t last_ns = 0;
   for (;;) {
-    if (options_.stop && options_.stop()) return fails({kAuditStopped, Cause::stopped});
     const auto row = chain.next();
     if (!row) return fails(row.error());
     if (!*row) break;
@@ -252,10 +251,10 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
                    const std::vector<Anchor>& anchors, const CheckedLedger* ledger) {
   Audit audit;
   audit.file = path;
-  Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::run, every_signature);
+  Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::run, every_signature, options.stop);
   RunAudit run(audit, options, anchors, ledger);
   const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
-  if (!ended && ended.error().cause() == Cause::stopped) return fails(ended.error());
+  if (chain ? chain->stopped() : chain.error().cause() == Cause::stopped) return fails({kAuditStopped, Cause::stopped});
   if (chain ? !chain->unchanged() : chain.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
   if (!ended && ended.error().cause() == Cause::not_entered)
     return fails({path + ": " + std::string(ended.error()), Cause::not_entered});

@@ -64,8 +64,8 @@ struct AuditOptions {
   // Verify the signature of each note by itself. Not needed: the newest covers all before it, and where it does not
   // hold all are looked at. The signatures of a ledger are always all verified.
   bool every_signature = false;
-  // Asked before each entry of a run. true: the audit is given up, and audit_run() fails with kAuditStopped. Empty: it
-  // is never given up.
+  // Asked before each page of a run or a ledger is read. true: the audit is given up, and audit_run() and
+  // check_ledger() fail with kAuditStopped. Empty: it is never given up.
   std::function<bool()> stop = {};
 };
 inline constexpr const char* kAuditStopped = "the audit was given up";

@@ -15,11 +15,14 @@ std::string without_path(const std::string& message, const std::string& path) {
 ChainAudit::ChainAudit(Snapshot snapshot, bool every_signature)
     : snapshot_(std::move(snapshot)), rows_(snapshot_.database()), every_signature_(every_signature) {}
 
-Result<ChainAudit> ChainAudit::open(const std::string& path, ChainSort sort, bool every_signature) {
-  Result<Snapshot> snapshot = Snapshot::open(path);
+Result<ChainAudit> ChainAudit::open(const std::string& path, ChainSort sort, bool every_signature,
+                                    const std::function<bool()>& stop) {
+  Result<Snapshot> snapshot = Snapshot::open(path, stop);
   if (!snapshot) return fails({without_path(snapshot.error(), path), snapshot.error().cause()});
   if (Result<void> tables = check_tables(snapshot->database(), sort); !tables)
-    return fails(snapshot->unchanged() ? std::move(tables.error()) : read_again());
+    return fails(snapshot->stopped()     ? Failure("reading was given up", Cause::stopped)
+                 : snapshot->unchanged() ? std::move(tables.error())
+                                         : read_again());
   return ChainAudit(std::move(*snapshot), every_signature);
 }
 

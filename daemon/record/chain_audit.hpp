@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,8 +21,11 @@ namespace dwell::record {
 class ChainAudit {
  public:
   // every_signature: note_holds() verifies each signature, 0.1 ms a note and most of an audit's time. Otherwise only
-  // newest_note_holds() verifies one. That is enough, since each note holds the hash of the note before it.
-  [[nodiscard]] static Result<ChainAudit> open(const std::string& path, ChainSort sort, bool every_signature);
+  // newest_note_holds() verifies one. That is enough, since each note holds the hash of the note before it. stop: as
+  // Snapshot's. Once it has said true, whatever fails says nothing about the file: Cause::stopped here, stopped()
+  // later.
+  [[nodiscard]] static Result<ChainAudit> open(const std::string& path, ChainSort sort, bool every_signature,
+                                               const std::function<bool()>& stop);
 
   // The next entry. Fails if its seq or head does not follow from those before.
   [[nodiscard]] Result<std::optional<ChainReader::Row>> next();
@@ -36,6 +40,7 @@ class ChainAudit {
 
   // false: the file changed while it was read; read it again.
   [[nodiscard]] bool unchanged() const noexcept { return snapshot_.unchanged(); }
+  [[nodiscard]] bool stopped() const noexcept { return snapshot_.stopped(); }
   [[nodiscard]] std::int64_t entries() const noexcept { return entries_; }  // so far
   [[nodiscard]] const Digest& head() const noexcept { return head_; }       // of the last one so far
   [[nodiscard]] std::int64_t last_seq() const;                              // as the file claims; for progress

@@ -83,8 +83,10 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
   if (!anchors) return tl::unexpected(anchors.error());
   for (int tries = 1;; ++tries) {
     CheckedLedger ledger;
-    Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true);
+    Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true, options.stop);
     const Result<void> sound = chain ? walk(*chain, ledger, anchors->all) : tl::unexpected(chain.error());
+    if (chain ? chain->stopped() : chain.error().cause() == Cause::stopped)
+      return fails({kAuditStopped, Cause::stopped});
     const bool whole = chain ? chain->unchanged() : chain.error().cause() != Cause::read_again;
     if (!whole && tries < kReadTries) continue;
     if (!sound && sound.error().cause() == Cause::newer)

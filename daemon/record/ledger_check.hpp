@@ -23,8 +23,8 @@ struct CheckedLedger {
   [[nodiscard]] const LedgerRun* find(const std::string& file) const;
 };
 
-// Fails only if the ledger or an anchor file does not exist or cannot be read at all, or if the ledger is of
-// a newer format.
+// Fails only if the ledger or an anchor file does not exist or cannot be read at all, if the ledger is of a newer
+// format, or if options.stop says so.
 [[nodiscard]] Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& options);
 
 // "the key asked for", for messages.

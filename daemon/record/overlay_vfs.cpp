@@ -40,7 +40,8 @@ struct OverlayVfs::File : sqlite3_file {
   sqlite3_file* real() { return reinterpret_cast<sqlite3_file*>(this + 1); }
 };
 
-OverlayVfs::OverlayVfs(int wal_file) : parent_(sqlite3_vfs_find(nullptr)), vfs_(*parent_), wal_file_(wal_file) {
+OverlayVfs::OverlayVfs(int wal_file, std::function<bool()> stop)
+    : parent_(sqlite3_vfs_find(nullptr)), vfs_(*parent_), wal_file_(wal_file), stop_(std::move(stop)) {
   name_ = "dwell-" + std::to_string(reinterpret_cast<std::uintptr_t>(this));
   vfs_.pNext = nullptr;
   vfs_.zName = name_.c_str();
@@ -112,7 +113,9 @@ int OverlayVfs::take_log(sqlite3_file* database) {
 
 int OverlayVfs::read(sqlite3_file* file, void* to, int size, sqlite3_int64 offset) {
   File* opened = File::of(file);
-  const OverlayVfs& own = *opened->owner;
+  OverlayVfs& own = *opened->owner;
+  own.stopped_ = own.stopped_ || (own.stop_ && own.stop_());
+  if (own.stopped_) return SQLITE_IOERR_READ;
   std::uint64_t in_log = 0;
   if (!own.wal_.empty()) {
     const auto page = offset / own.wal_.page_size() + 1;

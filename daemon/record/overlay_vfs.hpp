@@ -4,6 +4,7 @@
 
 #include <sqlite3.h>
 
+#include <functional>
 #include <string>
 
 #include "daemon/record/wal_view.hpp"
@@ -13,8 +14,9 @@ namespace dwell::record {
 // Registered with SQLite while it exists; must outlive the connection that uses it. Bound to one thread.
 class OverlayVfs {
  public:
-  // wal_file: an open log, owned by the caller; -1: there is none. It is read when SQLite opens the database.
-  explicit OverlayVfs(int wal_file);
+  // wal_file: an open log, owned by the caller; -1: there is none. It is read when SQLite opens the database. stop:
+  // asked before each read; once it says true, it is asked no more and every read fails. Empty: never.
+  explicit OverlayVfs(int wal_file, std::function<bool()> stop = {});
   OverlayVfs(const OverlayVfs&) = delete;
   OverlayVfs& operator=(const OverlayVfs&) = delete;
   ~OverlayVfs();
@@ -22,6 +24,8 @@ class OverlayVfs {
   [[nodiscard]] const char* name() const noexcept { return name_.c_str(); }
   // Why the database could not be opened; empty: SQLite states the reason.
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
+  // Whether `stop` has said so.
+  [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   // Damage of the log that no crash causes, or that the log belongs to another database; empty: neither.
   [[nodiscard]] const std::string& altered() const noexcept { return altered_; }
 
@@ -36,6 +40,8 @@ class OverlayVfs {
   sqlite3_vfs* parent_;
   sqlite3_vfs vfs_;
   int wal_file_;
+  std::function<bool()> stop_;
+  bool stopped_ = false;
   std::string name_, error_, altered_;
   WalView wal_;
 };

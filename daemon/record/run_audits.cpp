@@ -24,7 +24,9 @@ class KnownLedger {
     options.keys = {key};
     const FileIdentity now = identity_of(path);
     if (!checked_ || now != identity_) {
-      Result<CheckedLedger> checked = check_ledger(path, {});
+      AuditOptions by_any_key;
+      by_any_key.stop = options.stop;
+      Result<CheckedLedger> checked = check_ledger(path, by_any_key);
       if (!checked) return tl::unexpected(std::move(checked.error()));
       // A new key has signed nothing until the ledger gets its next entry. If it were pinned, every earlier run would
       // look forged. So no key is pinned until then, and nothing is trusted.

@@ -74,8 +74,8 @@ struct Snapshot::Impl {
     return expect_regular(path);
   }
 
-  Result<void> connect() {
-    vfs = std::make_unique<OverlayVfs>(wal_file.get());
+  Result<void> connect(const std::function<bool()>& stop) {
+    vfs = std::make_unique<OverlayVfs>(wal_file.get(), stop);
     sqlite3* opened = nullptr;
     const int code = sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, vfs->name());
     database.reset(opened);
@@ -107,7 +107,7 @@ Snapshot::Snapshot(Snapshot&&) noexcept = default;
 Snapshot& Snapshot::operator=(Snapshot&&) noexcept = default;
 Snapshot::~Snapshot() = default;
 
-Result<Snapshot> Snapshot::open(const std::string& path) {
+Result<Snapshot> Snapshot::open(const std::string& path, const std::function<bool()>& stop) {
   std::error_code code;
   // The log lies beside the file itself, not beside a link to it.
   const std::filesystem::path real = std::filesystem::canonical(path, code);
@@ -116,8 +116,9 @@ Result<Snapshot> Snapshot::open(const std::string& path) {
     auto impl = std::make_unique<Impl>();
     impl->path = real.string();
     if (Result<void> held = impl->hold(); !held) return tl::unexpected(std::move(held.error()));
-    Result<void> done = impl->connect();
+    Result<void> done = impl->connect(stop);
     if (impl->unchanged()) {
+      if (impl->vfs->stopped()) return fails({path + ": reading was given up", Cause::stopped});
       if (!done) return tl::unexpected(std::move(done.error()));
       return Snapshot(std::move(impl));
     }
@@ -129,6 +130,7 @@ Result<Snapshot> Snapshot::open(const std::string& path) {
 sqlite3* Snapshot::database() const noexcept { return impl_->database.get(); }
 const std::string& Snapshot::path() const noexcept { return impl_->path; }
 bool Snapshot::unchanged() const noexcept { return impl_->unchanged(); }
+bool Snapshot::stopped() const noexcept { return impl_->vfs->stopped(); }
 const std::string& Snapshot::altered() const noexcept {
   return impl_->journal.empty() ? impl_->vfs->altered() : impl_->journal;
 }

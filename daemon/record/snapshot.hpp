@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,8 +37,9 @@ template <class Read>
 // Bound to one thread.
 class Snapshot {
  public:
-  // Fails with "PATH: reason", also if the file is no SQLite database. Waits for a running checkpoint.
-  [[nodiscard]] static Result<Snapshot> open(const std::string& path);
+  // Fails with "PATH: reason", also if the file is no SQLite database. Waits for a running checkpoint. stop: asked
+  // before each page is read, from now on; once it says true, all reading fails. Empty: never.
+  [[nodiscard]] static Result<Snapshot> open(const std::string& path, const std::function<bool()>& stop = {});
   Snapshot(Snapshot&&) noexcept;
   Snapshot& operator=(Snapshot&&) noexcept;
   ~Snapshot();
@@ -46,6 +48,8 @@ class Snapshot {
   [[nodiscard]] const std::string& path() const noexcept;
   // Whether everything read so far is of one state. Cost: three system calls.
   [[nodiscard]] bool unchanged() const noexcept;
+  // Whether `stop` has said so.
+  [[nodiscard]] bool stopped() const noexcept;
   // Damage of the -wal that no crash causes, or a -journal beside the file; empty: none.
   [[nodiscard]] const std::string& altered() const noexcept;
 

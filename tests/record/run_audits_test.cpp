@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <climits>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <thread>
 
+#include "daemon/record/ledger_check.hpp"
 #include "tests/record/audited.hpp"
 #include "tests/record/scratch.hpp"
 
@@ -134,6 +136,34 @@ TEST_F(RunAuditsTest, AnAuditIsGivenUpWhenItIsAsked) {
   ASSERT_FALSE(audit);
   EXPECT_EQ(audit.error(), kAuditStopped);
   EXPECT_EQ(asked, 3) << "and not tried again";
+}
+
+// Wherever it is: in the ledger, between two entries, or while SQLite looks whether the database is sound.
+TEST_F(RunAuditsTest, AnAuditIsGivenUpAtTheNextPageThatItWouldRead) {
+  AuditOptions options = with_ledger(scratch);
+  int asked = 0, most = INT_MAX;
+  options.stop = [&] { return ++asked > most; };
+  const auto look = [&](const auto& read) {
+    asked = 0;
+    return read();
+  };
+  const auto check = [&] { return check_ledger(options.ledger, options); };
+  const auto audit_it = [&] { return audit_run(scratch.path("a.dwell"), options); };
+  ASSERT_TRUE(look(check)->verifies());
+  const int of_ledger = asked;
+  EXPECT_GT(of_ledger, 0);
+  ASSERT_EQ(look(audit_it)->state, AuditState::intact);
+  const int of_both = asked;
+  EXPECT_GT(of_both, of_ledger);
+  for (most = 0; most < of_both; ++most) {
+    const auto audit = look(audit_it);
+    ASSERT_FALSE(audit) << most;
+    EXPECT_EQ(audit.error(), kAuditStopped) << most;
+    EXPECT_EQ(asked, most + 1) << "and not tried again";
+    const auto checked = look(check);
+    EXPECT_EQ(!checked, most < of_ledger) << most;
+    EXPECT_EQ(checked ? "" : checked.error(), most < of_ledger ? kAuditStopped : "") << most;
+  }
 }
 
 }  // namespace
