@@ -78,7 +78,6 @@ tl::expected<void, std::string> RunSource::play(const Progress& progress, const 
     if (!origin_ns) origin_ns = stored.t_ns;
     Record record = channels_.map(stored);
     record.t_ns -= *origin_ns;
-    record.stamped_ns -= *origin_ns;
     take(record);
     return true;
   });

@@ -12,8 +12,8 @@ std::string without_path(const std::string& message, const std::string& path) {
 
 }  // namespace
 
-ChainAudit::ChainAudit(Snapshot snapshot, bool every_signature)
-    : snapshot_(std::move(snapshot)), rows_(snapshot_.database()), every_signature_(every_signature) {}
+ChainAudit::ChainAudit(Snapshot snapshot, ChainSort sort, bool every_signature)
+    : snapshot_(std::move(snapshot)), rows_(snapshot_.database(), sort), every_signature_(every_signature) {}
 
 Result<ChainAudit> ChainAudit::open(const std::string& path, ChainSort sort, bool every_signature,
                                     const std::function<bool()>& stop) {
@@ -23,7 +23,7 @@ Result<ChainAudit> ChainAudit::open(const std::string& path, ChainSort sort, boo
     return fails(snapshot->stopped()     ? Failure("reading was given up", Cause::stopped)
                  : snapshot->unchanged() ? std::move(tables.error())
                                          : read_again());
-  return ChainAudit(std::move(*snapshot), every_signature);
+  return ChainAudit(std::move(*snapshot), sort, every_signature);
 }
 
 Result<std::optional<ChainReader::Row>> ChainAudit::next() {

@@ -46,7 +46,7 @@ class ChainAudit {
   [[nodiscard]] std::int64_t last_seq() const;                              // as the file claims; for progress
 
  private:
-  ChainAudit(Snapshot snapshot, bool every_signature);
+  ChainAudit(Snapshot snapshot, ChainSort sort, bool every_signature);
 
   Snapshot snapshot_;
   ChainRows rows_;

@@ -7,7 +7,7 @@
 namespace dwell::record {
 
 struct ChainReader::Impl {
-  explicit Impl(Snapshot&& of) : snapshot(std::move(of)), rows(snapshot.database()) {}
+  Impl(Snapshot&& of, ChainSort sort) : snapshot(std::move(of)), rows(snapshot.database(), sort) {}
 
   Snapshot snapshot;
   ChainRows rows;
@@ -24,7 +24,7 @@ Result<ChainReader> ChainReader::open(const std::string& path, ChainSort sort) {
   if (!snapshot) return tl::unexpected(std::move(snapshot.error()));
   if (Result<void> tables = check_tables(snapshot->database(), sort); !tables)
     return fails(snapshot->unchanged() ? Failure(path + ": " + tables.error()) : read_again(path + ": "));
-  return ChainReader(std::make_unique<Impl>(std::move(*snapshot)));
+  return ChainReader(std::make_unique<Impl>(std::move(*snapshot), sort));
 }
 
 Result<std::optional<ChainReader::Row>> ChainReader::next() {

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "daemon/record/instants.hpp"
+
 namespace dwell::record {
 namespace {
 
@@ -53,8 +55,9 @@ std::string note_text(const std::string& origin, std::int64_t seq, const Digest&
   return note_front(origin, seq, head, t_ns) + std::to_string(before.seq) + "\n" + text_of(before.hash) + "\n";
 }
 
-ChainRows::ChainRows(sqlite3* database)
+ChainRows::ChainRows(sqlite3* database, ChainSort sort)
     : database_(database),
+      sort_(sort),
       all_(prepare(database, std::string(kSelect) + "ORDER BY e.seq")),
       of_kind_(prepare(database, std::string(kSelect) + "AND e.kind = ?2 ORDER BY e.seq")) {
   seek(INT64_MIN, {});
@@ -92,6 +95,7 @@ Result<std::optional<ChainReader::Row>> ChainRows::next() {
       return row_fails("its row has values of other types than the table's");
   row.entry.kind = column_bytes(current_, 1);
   row.entry.t_ns = sqlite3_column_int64(current_, 2);
+  if (sort_ == ChainSort::run && !is_on_clock(row.entry.t_ns)) return row_fails(clock_fault(row.entry.t_ns));
   row.entry.body = column_bytes(current_, 3);
   if (sqlite3_errcode(database_) == SQLITE_NOMEM) return row_fails("out of memory");
   if (row.entry.body.size() > static_cast<std::size_t>(ChainReader::kMaxBody))

@@ -35,14 +35,15 @@ struct NoteLink {
 // Rows in the order of seq. Borrows the database. Bound to one thread.
 class ChainRows {
  public:
-  explicit ChainRows(sqlite3* database);
+  ChainRows(sqlite3* database, ChainSort sort);
   // As ChainReader's.
   void seek(std::int64_t seq, const std::string& kind);
-  // Fails with the reason, without the path.
+  // Fails with the reason, without the path. The t_ns of a run's entries is within the bounds of instants.hpp.
   [[nodiscard]] Result<std::optional<ChainReader::Row>> next();
 
  private:
   sqlite3* database_;
+  ChainSort sort_;
   Statement all_, of_kind_;
   sqlite3_stmt* current_ = nullptr;
 };

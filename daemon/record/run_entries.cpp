@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/record/digest.hpp"
+#include "daemon/record/utc_text.hpp"
 #include "daemon/record/utf8.hpp"
 
 namespace dwell::record {
@@ -346,7 +347,13 @@ Result<StoredModel> parse_model(const std::string& kind, const std::string& body
   }
 }
 
-Result<RunHeader> parse_run_header(const std::string& body) { return parsed<RunHeader>(body, "run entry"); }
+Result<RunHeader> parse_run_header(const std::string& body) {
+  Result<RunHeader> header = parsed<RunHeader>(body, "run entry");
+  if (header && !header->start_utc.empty())
+    if (const auto utc_ns = parse_utc(header->start_utc); !utc_ns)
+      return tl::unexpected("run entry: start_utc: " + utc_ns.error());
+  return header;
+}
 Result<StoredEvent> parse_event(const std::string& body) { return parsed<StoredEvent>(body, "event entry"); }
 Result<RunEnd> parse_run_end(const std::string& body) { return parsed<RunEnd>(body, "end entry"); }
 Result<PersonalSignature> parse_personal_signature(const std::string& body) {

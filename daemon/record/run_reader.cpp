@@ -8,6 +8,7 @@
 #include "daemon/record/ahead.hpp"
 #include "daemon/record/block.hpp"
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/instants.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -91,13 +92,21 @@ struct RunReader::Impl {
     return {};
   }
 
+  [[nodiscard]] Result<void> decode(const Entry& entry, std::vector<Record>& records) const {
+    if (const auto decoded = decode_block(entry.body, records); !decoded) return fails(entry, decoded.error());
+    const auto off = std::find_if(records.begin(), records.end(), [](const Record& r) { return !is_on_clock(r.t_ns); });
+    if (off == records.end()) return {};
+    return fails(entry,
+                 "record " + std::to_string(off - records.begin() + 1) + " of its block: " + clock_fault(off->t_ns));
+  }
+
   [[nodiscard]] Result<void> read_bounds() {
     const auto row = find(1, "stream");
     if (!row) return tl::unexpected(row.error());
     if (row->has_value()) {
       const Entry& entry = (*row)->entry;
       std::vector<Record> records;
-      if (const auto decoded = decode_block(entry.body, records); !decoded) return fails(entry, decoded.error());
+      if (auto decoded = decode(entry, records); !decoded) return decoded;
       begin_ns = records.empty() ? entry.t_ns : records.front().t_ns;
       first_block = last_block = entry.seq;
       end_ns = entry.t_ns;
@@ -132,8 +141,7 @@ struct RunReader::Impl {
     const auto row = chain.next();
     if (!row) return tl::unexpected(row.error());
     if (!row->has_value()) return std::nullopt;
-    if (const auto decoded = decode_block((*row)->entry.body, records); !decoded)
-      return fails((*row)->entry, decoded.error());
+    if (auto decoded = decode((*row)->entry, records); !decoded) return tl::unexpected(std::move(decoded.error()));
     return records;
   }
 

@@ -1,5 +1,6 @@
 // Reads a run file: its header, its stream record by record, its results, events and signatures. Does not check chain
-// or signatures: audit.hpp does.
+// or signatures: audit.hpp does. Every instant that it hands out is within the bounds of instants.hpp, but the stamps
+// of drivers.
 #pragma once
 
 #include <algorithm>

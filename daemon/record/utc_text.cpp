@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "daemon/record/instants.hpp"
+
 namespace dwell::record {
 namespace {
 
@@ -52,7 +54,10 @@ Result<std::int64_t> parse_utc(const std::string& iso) {
     return tl::unexpected("\"" + iso + "\" is no instant: expected for instance 2026-11-23T03:12:17.250000Z");
   parts.tm_year -= 1900;
   parts.tm_mon -= 1;
-  return std::int64_t{timegm(&parts)} * kSecond_ns + within_ns;
+  const std::int64_t seconds = timegm(&parts);
+  if (seconds <= -kMostUtc_ns / kSecond_ns || seconds >= kMostUtc_ns / kSecond_ns)
+    return tl::unexpected("\"" + iso + "\" is too far away: expected an instant of the years 1824 to 2115");
+  return seconds * kSecond_ns + within_ns;
 }
 
 }  // namespace dwell::record

@@ -19,7 +19,7 @@ struct ClockPair {
 // The text of iso_utc() shortened to the second, for file names: "20261123T031217Z".
 [[nodiscard]] std::string compact_utc(const std::string& iso);
 // Parses the form of iso_utc(), with any number of decimals or none; ns since 1970. Does not check the ranges of month,
-// day and time. Fails with what was expected.
+// day and time. At most kMostUtc_ns from 1970 (instants.hpp). Fails with what was expected.
 [[nodiscard]] Result<std::int64_t> parse_utc(const std::string& iso);
 // UTC at an instant of the raw clock.
 [[nodiscard]] inline std::int64_t utc_of(const ClockPair& now, std::int64_t raw_ns) noexcept {

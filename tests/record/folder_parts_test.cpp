@@ -53,7 +53,10 @@ TEST(UtcText, IsReadBack) {
   EXPECT_EQ(parse_utc(iso_utc(instant_ns)).value(), instant_ns);
   EXPECT_EQ(parse_utc("2026-11-23T03:12:17Z").value(), instant_ns - 250'000'000);
   EXPECT_EQ(iso_utc(-1'000), "1969-12-31T23:59:59.999999Z");
-  for (const char* wrong : {"", "2026-11-23", "2026-11-23T03:12:17", "2026-11-23T03:12:17.25", "2026-11-23T03:12:17Zx"})
+  for (const char* last : {"1824-01-01T00:00:00.000000Z", "2115-12-31T23:59:59.999999Z"})
+    EXPECT_EQ(iso_utc(parse_utc(last).value()), last);
+  for (const char* wrong : {"", "2026-11-23", "2026-11-23T03:12:17", "2026-11-23T03:12:17.25", "2026-11-23T03:12:17Zx",
+                            "1823-01-01T00:00:00Z", "2117-01-01T00:00:00Z", "9999-12-31T23:59:59.999Z"})
     EXPECT_FALSE(parse_utc(wrong)) << wrong;
 }
 
