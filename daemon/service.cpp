@@ -9,6 +9,7 @@
 #include <chrono>
 #include <climits>
 #include <cstring>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -23,6 +24,7 @@
 #include "daemon/run/recording.hpp"
 #include "daemon/run/session.hpp"
 #include "daemon/serve/api.hpp"
+#include "daemon/serve/aside.hpp"
 #include "daemon/serve/control_server.hpp"
 #include "daemon/serve/event_loop.hpp"
 #include "daemon/service_watch.hpp"
@@ -99,6 +101,7 @@ struct Service::Impl {
   std::unique_ptr<Plc> plc;  // null: the rig file has no [modbus_server]
   std::unique_ptr<ControlServer> control;
   std::optional<Countersigner> signer;  // none: nothing is recorded
+  Aside names{loop, "names"};           // asks the system for the names of users
 
   // As all stands now.
   [[nodiscard]] ServiceView view() {
@@ -191,8 +194,19 @@ struct Service::Impl {
 
   ControlReply control_line(std::string_view line, const Peer& peer) {
     if (auto asked = parse_sign_request(line, peer.uid)) return sign(std::move(*asked), peer);
-    return control_answer(view(), line, [this, &peer](const OperatorRequest& request) {
-      return operate(request, {peer.uid, user_name(peer.uid)});
+    if (!asks_for_operator_verb(line)) return control_answer(view(), line, {});
+    return ControlReply([this, line = std::string(line), uid = peer.uid](const ControlReply::Answer& answer) {
+      const auto look_up = [uid]() -> std::string {
+        try {
+          return user_name(uid);
+        } catch (const std::exception&) {  // no memory
+          return {};
+        }
+      };
+      names.ask(look_up, [this, line, uid, answer](std::string name) {
+        const record::Person by{uid, std::move(name)};
+        answer(control_answer(view(), line, [&](const OperatorRequest& request) { return operate(request, by); }));
+      });
     });
   }
 

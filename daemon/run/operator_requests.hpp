@@ -23,7 +23,8 @@ struct OperatorRequest {
   std::string alarm{};  // of acknowledge: its name
 };
 
-// The name that the system knows the user by; empty: none.
+// The name that the system knows the user by; empty: none. May wait for another computer, as the system is set up to
+// ask (nsswitch.conf).
 [[nodiscard]] std::string user_name(uid_t uid);
 
 // Bound to one thread, in dwelld the event loop's.
