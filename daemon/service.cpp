@@ -20,6 +20,7 @@
 #include "daemon/outlets/outlet.hpp"
 #include "daemon/outlets/plc.hpp"
 #include "daemon/report/number_text.hpp"
+#include "daemon/run/awaited_starts.hpp"
 #include "daemon/run/countersigner.hpp"
 #include "daemon/run/recording.hpp"
 #include "daemon/run/session.hpp"
@@ -102,6 +103,7 @@ struct Service::Impl {
   std::unique_ptr<ControlServer> control;
   std::optional<Countersigner> signer;  // none: nothing is recorded
   Aside names{loop, "names"};           // asks the system for the names of users
+  AwaitedStarts starts;
 
   // As all stands now.
   [[nodiscard]] ServiceView view() {
@@ -143,6 +145,7 @@ struct Service::Impl {
   void show() {
     const ServiceView now = view();
     alarms.look(now.health, {now.now_ns, now.now_utc_ns});
+    if (now.recording.state) starts.look(*now.recording.state, now.now_ns);
     tell_events();
     each_outlet([&](Outlet& outlet) { outlet.show(now); });
   }
@@ -204,9 +207,25 @@ struct Service::Impl {
         }
       };
       names.ask(look_up, [this, line, uid, answer](std::string name) {
-        const record::Person by{uid, std::move(name)};
-        answer(control_answer(view(), line, [&](const OperatorRequest& request) { return operate(request, by); }));
+        answer_operator(line, {uid, std::move(name)}, answer);
       });
+    });
+  }
+
+  // A start is answered once it is known whether its run is recorded.
+  void answer_operator(const std::string& line, const record::Person& by, const ControlReply::Answer& answer) {
+    std::uint16_t start = 0;
+    std::string said = control_answer(view(), line, [&](const OperatorRequest& request) {
+      auto done = operate(request, by);
+      if (done && request.verb == OperatorRequest::Verb::start) start = session->operators().newest();
+      return done;
+    });
+    if (start == 0 || session->recorder() == nullptr) return answer(std::move(said));
+    starts.add(start, raw_now_ns(), [said = std::move(said), answer](const StartOutcome& outcome) {
+      if (!outcome.known) return answer(R"({"done":true,"recording":null})");
+      if (outcome.why_not.empty()) return answer(said);
+      answer(dump(Json{{"error", "the run was asked for and is not recorded: " + outcome.why_not +
+                                     "; once that is mended, it goes on by itself within 30 s"}}));
     });
   }
 

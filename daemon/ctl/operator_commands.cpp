@@ -35,13 +35,15 @@ tl::expected<std::string, Refusal> ask(const std::string& control_path, const Js
   return std::move(*line);
 }
 
-int say(const Service& service, const Json& asked, const std::string& done) {
+// unknown: to be said in place of `done` where the service does not know yet whether a run is recorded.
+int say(const Service& service, const Json& asked, const std::string& done, const std::string& unknown = {}) {
   const auto answer = ask(service.control, asked, std::chrono::milliseconds(10'000));
   if (!answer) {
     std::fprintf(stderr, "dwellctl: %s\n", printable(answer.error().why).c_str());
     return answer.error().code;
   }
-  std::printf("%s\n", service.json ? answer->c_str() : printable(done).c_str());
+  const bool known = !Json::parse(*answer, nullptr, false).contains("recording");
+  std::printf("%s\n", service.json ? answer->c_str() : printable(known ? done : unknown).c_str());
   return kDone;
 }
 
@@ -58,7 +60,9 @@ int rearm(const Service& service, const std::string& comment) {
 int start_run(const Service& service, const std::string& label, const std::string& comment) {
   Json asked = request("start", comment);
   asked["label"] = label;
-  return say(service, asked, "started: run \"" + label + "\" begins here and ends with \"dwellctl stop\"");
+  return say(
+      service, asked, "started: run \"" + label + "\" begins here and ends with \"dwellctl stop\"",
+      "asked: run \"" + label + "\"; the disk has not answered yet, \"dwellctl status\" says whether it is recorded");
 }
 
 int label_run(const Service& service, const std::string& label, const std::string& comment) {

@@ -101,7 +101,8 @@ struct Recorder::Impl {
   RunFolder folder;
   Housekeeper keeper;
   RunLog log;
-  ListedRun recorded;  // the run that is recorded
+  ListedRun recorded;              // the run that is recorded
+  std::uint16_t newest_start = 0;  // RecorderState
   Readiness readiness{folder, log, tell};
   // … to here.
   std::atomic<bool> restart{false};
@@ -151,6 +152,7 @@ struct Recorder::Impl {
     read_inbox();
     ring.drain({[this](const Record& record) {
                   if (may_bear_request(record)) read_inbox();
+                  if (is_edge(record, RunEdge::begins) && record.channel != 0) newest_start = record.channel;
                   log.record(record);
                 },
                 [this](const RingResult& result) {
@@ -235,6 +237,7 @@ struct Recorder::Impl {
     if (!fresh.recording) fresh.why_not = why;
     if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = readiness.open() ? "no run goes on" : "starting";
     if (!fresh.recording) fresh.obstacle = {why, !readiness.trouble().empty()};
+    fresh.newest_start = newest_start;
     fresh.run = recorded;
     fresh.buffer_fill = ring.fill();
     fresh.buffer_records = ring.capacity();

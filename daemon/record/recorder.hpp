@@ -50,8 +50,9 @@ struct RecorderState {
   bool recording = false;
   std::string why_not;  // while it does not record: "no run goes on", or another reason
   Obstacle obstacle;
-  ListedRun run;             // the one being recorded
-  double buffer_fill = 0.0;  // 0 … 1
+  std::uint16_t newest_start = 0;  // number of the operator's newest start that has come through the stream; 0: none
+  ListedRun run;                   // the one being recorded
+  double buffer_fill = 0.0;        // 0 … 1
   std::uint64_t buffer_records = 0;
   std::int64_t committed_ns = 0;                                      // CLOCK_MONOTONIC_RAW, the last commit of the run
   std::uint64_t lost_records = 0, lost_results = 0, lost_events = 0;  // since the service began

@@ -36,6 +36,8 @@ class OperatorRequests {
   // A request with a place in the stream enters it within 10 ms. Fails with the reason why it cannot be done. Not for
   // `acknowledge`: that is Alarms::acknowledge().
   tl::expected<void, std::string> ask(const OperatorRequest& request, const record::Person& by);
+  // The number of the newest request that has a place in the stream; 0: there was none.
+  [[nodiscard]] std::uint16_t newest() const noexcept { return number_; }
 
  private:
   [[nodiscard]] std::string obstacle(OperatorRequest::Verb verb) const;

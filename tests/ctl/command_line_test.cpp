@@ -176,7 +176,8 @@ TEST(CommandLine, RearmAsksTheServiceAndSaysWhatCameOfIt) {
 TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
   const test::TemporaryFolder folder;
   const Reply done{"{\"done\":true}\n", true}, no{"{\"error\":\"nothing to stop: no run goes on\"}\n", true};
-  ScriptedServer server({done, done, done, done, no}, folder.path("control"));
+  const Reply slow{"{\"done\":true,\"recording\":null}\n", true};
+  ScriptedServer server({done, done, done, done, no, slow}, folder.path("control"));
   const std::vector<std::string> at{"--control", folder.path("control")};
   const auto with = [&at](std::vector<std::string> words) {
     words.insert(words.end(), at.begin(), at.end());
@@ -194,6 +195,9 @@ TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
   const Outcome refused = with({"stop", "--comment", "done"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.err.find("nothing to stop: no run goes on"), std::string::npos) << refused.err;
+  const Outcome asked = with({"start", "--label", "slow"});
+  EXPECT_EQ(asked.code, 0) << asked.err;
+  EXPECT_EQ(asked.out.find("asked: run \"slow\"; the disk has not answered yet"), 0u) << asked.out;
   EXPECT_EQ(run({"start", "--label", "a", "--control", "/nonexistent/control"}).code, 3);
   for (const char* verb : {"start", "label"}) EXPECT_EQ(with({verb}).code, 2) << verb << " without a label";
 }

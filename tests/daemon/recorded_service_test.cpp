@@ -135,5 +135,54 @@ TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsk
     EXPECT_NEAR(1e-9 * static_cast<double>(instants[i] - instants[i - 1]), kEvery_s, 0.5) << i;
 }
 
+// What is in the way of a run may show only as its file is begun.
+TEST(StartOfARun, IsAnsweredOnceItIsKnownWhetherItIsRecorded) {
+  const record::Scratch scratch;
+  std::filesystem::create_directory(scratch.path("runs"));
+  const config::SchemaSource drivers = [](std::string_view name) {
+    return acquire::load_plugin(std::string(name), {DWELL_TEST_PLUGINS});
+  };
+  constexpr std::uint16_t kNobody = 1;  // a port without a device: runs begin by the operator alone
+  auto file = config::parse(test::rig_file(kNobody) + "[recording]\ndirectory = \"" + scratch.path("runs") + "\"\n",
+                            "rig.toml", drivers);
+  ASSERT_TRUE(file) << config::to_string("rig.toml", file.error());
+  LogOptions quiet;
+  quiet.console = false;
+  const auto log = std::move(*Log::make(quiet));
+  ServiceOptions options;
+  options.handle_signals = false;
+  options.control_path = scratch.path("control");
+  auto service = Service::make(std::move(*file), drivers, options, *log);
+  ASSERT_TRUE(service) << service.error().message;
+  std::thread thread([&] { (*service)->run(); });
+  const auto rests_with = [&](const char* next_file) {
+    test::await((*service)->port(), "/api/v1/health", [&](const nlohmann::json& health) {
+      return health["recorder"]["reason"] == "no run goes on" && std::filesystem::exists(scratch.path(next_file));
+    });
+  };
+  test::Client client = test::Client::local(options.control_path);
+  const auto ask = [&client](const std::string& request) {
+    client.send(request + "\n");
+    return nlohmann::json::parse(client.until("\n"), nullptr, false);
+  };
+
+  rests_with("runs/next-1.new");
+  EXPECT_EQ(ask(R"({"verb":"start","label":"good"})"), nlohmann::json::parse(R"({"done":true})"));
+  const nlohmann::json recorder = ask(R"({"verb":"status"})")["health"]["recorder"];
+  EXPECT_EQ(recorder["recording"], true) << recorder;
+  EXPECT_EQ(recorder["run"]["label"], "good") << recorder;
+  EXPECT_EQ(ask(R"({"verb":"stop"})"), nlohmann::json::parse(R"({"done":true})"));
+
+  rests_with("runs/next-2.new");
+  std::filesystem::remove(scratch.path("runs/next-2.new"));
+  const nlohmann::json refused = ask(R"({"verb":"start","label":"bad"})");
+  ASSERT_TRUE(refused["error"].is_string()) << refused;
+  const std::string why = refused["error"];
+  EXPECT_EQ(why.find("the run was asked for and is not recorded: "), 0u) << why;
+  EXPECT_NE(why.find("next-2.new: was removed while it was written"), std::string::npos) << why;
+  (*service)->stop();
+  thread.join();
+}
+
 }  // namespace
 }  // namespace dwell

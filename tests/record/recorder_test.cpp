@@ -120,6 +120,22 @@ TEST_F(RecorderTest, TellsWhatItRecordsAndListsItsRuns) {
   EXPECT_EQ(recorder.runs()->front().begun_by, "drive");
 }
 
+TEST_F(RecorderTest, TellsWhatCameOfAnOperatorsStart) {
+  Recorder recorder(recorder_options(scratch.path(), notices));
+  ASSERT_TRUE(recorder.await_first_file(std::chrono::seconds(20)));
+  ASSERT_TRUE(std::filesystem::remove(scratch.path("next-1.new"))) << "the file of the first run";
+  SyntheticStream stream = stream_to(recorder);
+  stream.armed();
+  stream.play(1.0);
+  EXPECT_EQ(recorder.state(raw_now_ns()).newest_start, 0);
+  recorder.request(Request{.number = 7, .label = "first", .event = {}});
+  stream.begins(7);
+  ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).newest_start == 7; }));
+  EXPECT_FALSE(recorder.state(raw_now_ns()).recording);
+  EXPECT_NE(recorder.obstacle().why.find("was removed while it was written"), std::string::npos)
+      << recorder.obstacle().why;
+}
+
 TEST_F(RecorderTest, ADirectoryThatCannotBeUsedIsAnAlarmAndNothingMore) {
   Recorder recorder(recorder_options("/proc/nowhere", notices));
   SyntheticStream stream = stream_to(recorder);

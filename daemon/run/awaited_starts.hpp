@@ -1,0 +1,39 @@
+// Operators' starts that are answered once it is known whether their run is recorded: its record comes to the recorder
+// through the stream, and only then its file is begun.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "daemon/record/recorder.hpp"
+
+namespace dwell {
+
+struct StartOutcome {
+  bool known = false;   // false: the disk has not answered for so long
+  std::string why_not;  // why the run is not recorded; empty: it is
+};
+
+// Bound to one thread. Instants: CLOCK_MONOTONIC_RAW.
+class AwaitedStarts {
+ public:
+  // So long an answer waits at most. A usual one takes some tenths of a second. Longer: dwellctl gives up after 10 s.
+  static constexpr std::int64_t kPatience_ns = 5'000'000'000;
+
+  // number: of the request. tell: called once by look(), and must not throw.
+  void add(std::uint16_t number, std::int64_t now_ns, std::function<void(const StartOutcome&)> tell);
+  // Call it regularly.
+  void look(const record::RecorderState& recorder, std::int64_t now_ns);
+
+ private:
+  struct Awaited {
+    std::uint16_t number;
+    std::int64_t until_ns;
+    std::function<void(const StartOutcome&)> tell;
+  };
+  std::vector<Awaited> awaited_;  // in the order of the requests
+};
+
+}  // namespace dwell

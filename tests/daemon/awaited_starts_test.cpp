@@ -1,0 +1,64 @@
+#include "daemon/run/awaited_starts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace dwell {
+namespace {
+
+constexpr std::int64_t kLate_ns = AwaitedStarts::kPatience_ns;
+
+struct AwaitedStartsTest : testing::Test {
+  void ask(std::uint16_t number, std::int64_t now_ns = 0) {
+    starts.add(number, now_ns, [this, number](const StartOutcome& outcome) {
+      told.push_back(std::to_string(number) + (outcome.known ? " known" : " unknown") +
+                     (outcome.why_not.empty() ? "" : ": " + outcome.why_not));
+    });
+  }
+  // What is told where the recorder's newest start is this.
+  std::vector<std::string> look(std::uint16_t newest, const char* obstacle = "", std::int64_t now_ns = 0) {
+    record::RecorderState state;
+    state.newest_start = newest;
+    state.recording = *obstacle == '\0';
+    state.obstacle.why = obstacle;
+    told.clear();
+    starts.look(state, now_ns);
+    return told;
+  }
+  using Told = std::vector<std::string>;
+
+  AwaitedStarts starts;
+  Told told;
+};
+
+TEST_F(AwaitedStartsTest, IsToldOnceTheRecorderHasTheRun) {
+  ask(7);
+  EXPECT_EQ(look(0), Told{});
+  EXPECT_EQ(look(7), Told{"7 known"});
+  EXPECT_EQ(look(7), Told{}) << "once";
+}
+
+TEST_F(AwaitedStartsTest, IsToldWhyTheRunIsNotRecorded) {
+  ask(7);
+  EXPECT_EQ(look(6, "disk full"), Told{}) << "that is of an earlier run";
+  EXPECT_EQ(look(7, "disk full"), Told{"7 known: disk full"});
+}
+
+TEST_F(AwaitedStartsTest, WaitsNoLongerThanItsPatience) {
+  ask(7, 10);
+  EXPECT_EQ(look(6, "", kLate_ns + 9), Told{});
+  EXPECT_EQ(look(6, "", kLate_ns + 10), Told{"7 unknown"});
+}
+
+TEST_F(AwaitedStartsTest, AStartThatWasStoppedAndFollowedByAnotherIsToldWithIt) {
+  ask(65535);
+  ask(2);
+  ask(4);
+  EXPECT_EQ(look(2, "disk full"), (Told{"65535 known", "2 known: disk full"}));
+  EXPECT_EQ(look(4), Told{"4 known"});
+}
+
+}  // namespace
+}  // namespace dwell
