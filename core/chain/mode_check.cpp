@@ -15,6 +15,7 @@
 #include "core/fit/drive_harmonic.hpp"
 #include "core/model/natural_modes.hpp"
 #include "core/rig/transducer.hpp"
+#include "core/transient/pole_distance.hpp"
 
 namespace dwell {
 namespace {
@@ -284,7 +285,8 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
         }))
       continue;
     if (!far && of_one_channel(rig, identified, omega, mode, *own)) continue;
-    Pair pair{&mode, none ? nullptr : &*own, ModeResidual(rig, identified, omega, mode)};
+    const double widens = none ? 1.0 : overstated_distance(mode.pole, own->pole, mode.seen_s);
+    Pair pair{&mode, none ? nullptr : &*own, ModeResidual(rig, identified, omega, mode, widens)};
     // The factor 2 is for two tests: of pole and shape together, and of the pole alone.
     pair.by_chance = 2 * std::min(pair.residual.by_chance(), none ? 1.0 : pair.residual.pole_by_chance(own->shape));
     if (!far)

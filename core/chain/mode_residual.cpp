@@ -28,7 +28,8 @@ Matrix2d turn(std::complex<double> z) {
 
 }  // namespace
 
-ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen)
+ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen,
+                           double pole_widens)
     : rig_(rig), identified_(identified), omega_(omega), seen_(seen) {
   const Index channels = identified.gain.cols();
   const int n = rig.mass_count();
@@ -70,7 +71,9 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
     for (Index c = 0; c < channels; ++c) J.block<2, 2>(2 * i, 2 * c) = turn(by(i, c) / scale_(i));
     J.block<2, 2>(2 * i, 2 * channels) = turn(by_pole_(i) / scale_(i));
   }
-  covariance_ = J * seen.covariance * J.transpose() + covariance_of_effects();
+  MatrixXd of_mode = seen.covariance;
+  of_mode.bottomRightCorner<2, 2>() *= pole_widens;
+  covariance_ = J * of_mode * J.transpose() + covariance_of_effects();
   for (Index i = 0; i < E; ++i)
     covariance_.diagonal().segment<2>(2 * i).array() += second_order(i) / (scale_(i) * scale_(i));
   factor_.compute(covariance_);

@@ -22,8 +22,10 @@ namespace dwell {
 class ModeResidual {
  public:
   // omega: of the drive from which `identified` comes, rad/s. An element takes part if it is identifiable and all its
-  // channels are in the fit of `seen`. Allocates; O(channels² · elements).
-  ModeResidual(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen);
+  // channels are in the fit of `seen`. pole_widens: factor of the variance of the pole, since its errors are normal
+  // near it alone; overstated_distance(). Allocates; O(channels² · elements).
+  ModeResidual(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen,
+               double pole_widens = 1.0);
 
   // Indices of the elements that take part, from 0, ascending.
   [[nodiscard]] const std::vector<Eigen::Index>& elements() const noexcept { return elements_; }

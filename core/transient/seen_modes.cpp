@@ -67,6 +67,7 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, const HoldNow& now,
   const ModalFit::Change change = fit.last_change();
   const auto at_pole = 2 * static_cast<Index>(m);
   mode.pole = fit.moved_poles()[m];
+  mode.seen_s = to_s(now.now_ns - fit.t0_ns());
   mode.covariance.setZero();
   mode.covariance.block<2, 2>(pole, pole) =
       size * size * of_poles.block<2, 2>(at_pole, at_pole) + extra * Eigen::Matrix2d::Identity();
@@ -160,6 +161,7 @@ void SeenModes::take(const ModalFit& fit, const HoldNow& now, const SharedInstan
     if (before != end && before->pole_covariance().trace() < now_.pole_covariance().trace()) continue;
     if (before == end) ++count_;
     before->pole = now_.pole;
+    before->seen_s = now_.seen_s;
     before->amplitude = now_.amplitude;
     before->covariance = now_.covariance;
     std::copy(now_.fitted.begin(), now_.fitted.end(), before->fitted.begin());

@@ -23,6 +23,7 @@ struct SeenMode {
   // Covariance of (Re a_1, Im a_1, Re a_2, …, Re λ, Im λ).
   Eigen::MatrixXd covariance;
   std::vector<bool> fitted;  // per channel: it has a part in the fit
+  double seen_s = 0.0;       // the time from the fit's begin on in which it was seen
 
   [[nodiscard]] Eigen::Matrix2d pole_covariance() const { return covariance.bottomRightCorner<2, 2>(); }
   // Standard deviation of an amplitude, either component.
