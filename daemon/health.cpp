@@ -112,17 +112,19 @@ void add_gated(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& t
   }
 }
 
-// A violated limit is a trouble. Whether one without a verdict is still violated is unknown as long as the rig is
-// measured: an alarm that ended there would begin anew with the next number.
-void add_limits(const Rig& rig, const Dwell& dwell, bool stale, Health& health) {
-  const bool goes_on = dwell.state == State::settling || dwell.state == State::measuring || dwell.state == State::fault;
+// A violated limit is a trouble. While a dwell goes on, it is unknown whether a limit without a verdict is still
+// violated: an alarm that ended there would begin anew with the next number.
+void add_limits(const Rig& rig, const Snapshot& snapshot, bool stale, Health& health) {
+  const Dwell& dwell = snapshot.dwell;
+  const bool goes_on = dwell.state == State::settling || dwell.state == State::measuring ||
+                       (dwell.state == State::fault && !has_ended(snapshot));
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell)) {
     Trouble trouble{std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element), "", true,
                     TroubleKind::limit};
     if (!stale && limit.verdict == LimitVerdict::violated) {
       trouble.text = "limit violated: " + violation_text(limit, dwell, rig.motion);
       health.troubles.push_back(std::move(trouble));
-    } else if (stale || (goes_on && limit.verdict == LimitVerdict::none)) {
+    } else if (goes_on && (stale || limit.verdict == LimitVerdict::none)) {
       trouble.text = "limit was violated; no verdict now on the " + limited_text(limit) + ": " +
                      (stale ? "the estimate is stale" : limit.reason);
       health.unknown.push_back(std::move(trouble));
@@ -202,7 +204,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   const bool stale = !trouble.empty() || is_overdue(snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
   if (!stale && dwell.state == State::settling) add_gated(rig, snapshot, health.troubles);
-  add_limits(rig, dwell, stale, health);
+  add_limits(rig, snapshot, stale, health);
   if (log.failing)
     add(TroubleKind::log, "log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
   for (const record::RecorderAlarm& alarm : recorder)

@@ -55,8 +55,8 @@ struct Health {
   // A dwell is being measured, all its coefficients may be relied on, none is stale, and the interlock is not open.
   bool ready = false;
   std::string run{};  // whether a run goes on and is recorded: a fact, no fault
-  // Limits of which nothing is known now: the rig is measured, and the number is withheld, doubted or stale, or not
-  // there yet. An alarm of one stays as it is; no alarm begins. The text says why.
+  // Limits without a verdict while a dwell goes on: the number is withheld, doubted, stale or not there yet. It is not
+  // known whether they are violated. The text is that of an alarm that is active.
   std::vector<Trouble> unknown{};
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"

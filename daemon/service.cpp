@@ -9,7 +9,6 @@
 #include <chrono>
 #include <climits>
 #include <cstring>
-#include <exception>
 #include <optional>
 #include <utility>
 
@@ -20,12 +19,10 @@
 #include "daemon/outlets/outlet.hpp"
 #include "daemon/outlets/plc.hpp"
 #include "daemon/report/number_text.hpp"
-#include "daemon/run/awaited_starts.hpp"
 #include "daemon/run/countersigner.hpp"
 #include "daemon/run/recording.hpp"
 #include "daemon/run/session.hpp"
 #include "daemon/serve/api.hpp"
-#include "daemon/serve/aside.hpp"
 #include "daemon/serve/control_server.hpp"
 #include "daemon/serve/event_loop.hpp"
 #include "daemon/service_watch.hpp"
@@ -82,7 +79,8 @@ HttpOptions http_options(const config::ServerSettings& server) {
 struct Service::Impl {
   using Made = tl::expected<void, Failure>;
 
-  Impl(Log& the_log, const config::SchemaSource& the_drivers) : log(the_log), drivers(the_drivers), watch(the_log) {}
+  Impl(Log& the_log, const config::SchemaSource& the_drivers, std::int64_t start_patience_ns)
+      : log(the_log), drivers(the_drivers), watch(the_log), starts(start_patience_ns) {}
 
   Log& log;
   const config::SchemaSource drivers;
@@ -102,7 +100,6 @@ struct Service::Impl {
   std::unique_ptr<Plc> plc;  // null: the rig file has no [modbus_server]
   std::unique_ptr<ControlServer> control;
   std::optional<Countersigner> signer;  // none: nothing is recorded
-  Aside names{loop, "names"};           // asks the system for the names of users
   AwaitedStarts starts;
 
   // As all stands now.
@@ -195,37 +192,22 @@ struct Service::Impl {
     return alarms.acknowledge(request.alarm, request.comment, by, {raw_now_ns(), utc_now_ns()});
   }
 
+  // A start is answered once it is known whether its run is recorded.
   ControlReply control_line(std::string_view line, const Peer& peer) {
     if (auto asked = parse_sign_request(line, peer.uid)) return sign(std::move(*asked), peer);
-    if (!asks_for_operator_verb(line)) return control_answer(view(), line, {});
-    return ControlReply([this, line = std::string(line), uid = peer.uid](const ControlReply::Answer& answer) {
-      const auto look_up = [uid]() -> std::string {
-        try {
-          return user_name(uid);
-        } catch (const std::exception&) {  // no memory
-          return {};
-        }
-      };
-      names.ask(look_up, [this, line, uid, answer](std::string name) {
-        answer_operator(line, {uid, std::move(name)}, answer);
-      });
-    });
-  }
-
-  // A start is answered once it is known whether its run is recorded.
-  void answer_operator(const std::string& line, const record::Person& by, const ControlReply::Answer& answer) {
     std::uint16_t start = 0;
     std::string said = control_answer(view(), line, [&](const OperatorRequest& request) {
-      auto done = operate(request, by);
+      auto done = operate(request, {peer.uid, user_name(peer.uid)});
       if (done && request.verb == OperatorRequest::Verb::start) start = session->operators().newest();
       return done;
     });
-    if (start == 0 || session->recorder() == nullptr) return answer(std::move(said));
-    starts.add(start, raw_now_ns(), [said = std::move(said), answer](const StartOutcome& outcome) {
-      if (!outcome.known) return answer(R"({"done":true,"recording":null})");
-      if (outcome.why_not.empty()) return answer(said);
-      answer(dump(Json{{"error", "the run was asked for and is not recorded: " + outcome.why_not +
-                                     "; once that is mended, it goes on by itself within 30 s"}}));
+    if (start == 0 || session->recorder() == nullptr) return said;
+    return ControlReply([this, start, said = std::move(said)](const ControlReply::Answer& answer) {
+      starts.add(start, raw_now_ns(), [said, answer](const StartOutcome& outcome) {
+        if (!outcome.known) return answer(R"({"done":true,"recording":null})");
+        if (outcome.why_not.empty()) return answer(said);
+        answer(dump(Json{{"error", "the run was asked for and is not recorded: " + outcome.why_not}}));
+      });
     });
   }
 
@@ -353,7 +335,7 @@ Service::Service(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::RigFile file,
                                                                        const config::SchemaSource& drivers,
                                                                        const ServiceOptions& options, Log& log) {
-  auto impl = std::make_unique<Impl>(log, drivers);
+  auto impl = std::make_unique<Impl>(log, drivers, options.start_patience_ns);
   Impl& self = *impl;
   auto made = self.make_rights(file)
                   .and_then([&] { return self.make_session(std::move(file)); })

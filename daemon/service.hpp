@@ -10,6 +10,7 @@
 
 #include "config/rig_file.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/run/awaited_starts.hpp"
 
 namespace dwell {
 
@@ -17,6 +18,7 @@ struct ServiceOptions {
   std::string control_path;    // empty: no control socket
   std::string page_folder{};   // of the page's files; empty: no page
   bool handle_signals = true;  // those of service_signals(), which must be blocked in every thread
+  std::int64_t start_patience_ns = AwaitedStarts::kPatience_ns;
 };
 
 // SIGTERM and SIGINT end run(). SIGHUP checks the rig file as it stands now and says in the log what it found.

@@ -71,11 +71,10 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
     for (Index c = 0; c < channels; ++c) J.block<2, 2>(2 * i, 2 * c) = turn(by(i, c) / scale_(i));
     J.block<2, 2>(2 * i, 2 * channels) = turn(by_pole_(i) / scale_(i));
   }
-  MatrixXd of_mode = seen.covariance;
-  of_mode.bottomRightCorner<2, 2>() *= pole_widens;
-  covariance_ = J * of_mode * J.transpose() + covariance_of_effects();
-  for (Index i = 0; i < E; ++i)
-    covariance_.diagonal().segment<2>(2 * i).array() += second_order(i) / (scale_(i) * scale_(i));
+  near_ = J * seen.covariance * J.transpose() + covariance_of_effects();
+  for (Index i = 0; i < E; ++i) near_.diagonal().segment<2>(2 * i).array() += second_order(i) / (scale_(i) * scale_(i));
+  const auto by_pole = J.rightCols<2>();
+  covariance_ = near_ + (pole_widens - 1) * by_pole * seen.pole_covariance() * by_pole.transpose();
   factor_.compute(covariance_);
   chi2_ = product(scaled_residual_, scaled_residual_);
 }
@@ -201,7 +200,7 @@ Matrix2d ModeResidual::change_covariance(Index i) const noexcept {
   Matrix2d to_change;
   to_change << 1.0, -seen_.pole.real() / seen_.pole.imag(), 0.0, 1 / seen_.pole.imag();
   const Matrix2d by = to_change * turn(scale_(i) / deformation_(i));
-  return by * covariance_.block<2, 2>(2 * i, 2 * i) * by.transpose();
+  return by * near_.block<2, 2>(2 * i, 2 * i) * by.transpose();
 }
 
 VectorXcd ModeResidual::at_pole(const VectorXcd& dZ) const {

@@ -82,7 +82,8 @@ class ModeResidual {
   Eigen::VectorXcd by_pole_;          // ∂R/∂λ
   Eigen::VectorXd scale_;             // N, per element: |f_k| + |Z_k d_k|
   Eigen::VectorXd scaled_residual_;   // in_pairs(R)
-  Eigen::MatrixXd covariance_;        // of scaled_residual_
+  Eigen::MatrixXd near_;              // covariance of scaled_residual_, the pole's errors taken as normal
+  Eigen::MatrixXd covariance_;        // what scaled_residual_ is tested by: with the pole's variance widened
   Eigen::LDLT<Eigen::MatrixXd> factor_;
   double chi2_ = 0.0;
 };

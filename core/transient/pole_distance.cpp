@@ -6,8 +6,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kNear = 1e-4;   // below this part of the signal's energy the difference 1 - |ρ|² is only rounding
-constexpr double kShort = 1e-2;  // decay within the time seen below which the series serves
+constexpr double kNear = 1e-4;   // below this the error of the series, 4e-8, would show in 1 - |ρ|²
+constexpr double kShort = 1e-2;  // for |z| times the time seen below this the series serves
 
 // ∫ e^{zt} dt over the time seen.
 Complex integral(Complex z, double seen_s) {

@@ -64,9 +64,9 @@ class AlarmList {
   // Alarms at a time; nobody reads more. Further ones are counted, and enter once there is room.
   static constexpr std::size_t kMost = 200;
 
-  // troubles: all that is wrong now. unknown: what may be wrong, and nothing tells of it now; its time stands still,
-  // and an active alarm gets its text. Returns the changes that are to be told. Of an alarm that flaps and that nobody
-  // acknowledges these are only its first raising and its first return.
+  // troubles: all that is wrong now. unknown: troubles of which it is not known now whether they are there. Their times
+  // stand still; an active alarm stays, with this text. Returns the changes that are to be told. Of an alarm that flaps
+  // and that nobody acknowledges these are only its first raising and its first return.
   std::vector<AlarmChange> follow(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown,
                                   const record::ClockPair& now);
   // by: who, for people to read; comment: empty: none. Fails with the reason why there is nothing to acknowledge.
@@ -85,7 +85,7 @@ class AlarmList {
   // What is remembered of a trouble. Instants on CLOCK_MONOTONIC_RAW.
   struct Lasting {
     std::int64_t lasted_ns = 0;  // how long it has lasted, less what has faded; at most kLasts_ns
-    std::int64_t seen_ns = 0;    // the last follow() that found it, later by the time in which it was unknown
+    std::int64_t seen_ns = 0;    // the last follow() that found it, plus the time since then when it was unknown
     bool present = false;        // that follow() was the last one
   };
   std::optional<AlarmChange> raise(const Trouble& trouble, const record::ClockPair& now);

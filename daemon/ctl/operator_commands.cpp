@@ -35,7 +35,7 @@ tl::expected<std::string, Refusal> ask(const std::string& control_path, const Js
   return std::move(*line);
 }
 
-// unknown: to be said in place of `done` where the service does not know yet whether a run is recorded.
+// unknown: said in place of `done` where the service does not know whether a run is recorded.
 int say(const Service& service, const Json& asked, const std::string& done, const std::string& unknown = {}) {
   const auto answer = ask(service.control, asked, std::chrono::milliseconds(10'000));
   if (!answer) {
@@ -60,9 +60,8 @@ int rearm(const Service& service, const std::string& comment) {
 int start_run(const Service& service, const std::string& label, const std::string& comment) {
   Json asked = request("start", comment);
   asked["label"] = label;
-  return say(
-      service, asked, "started: run \"" + label + "\" begins here and ends with \"dwellctl stop\"",
-      "asked: run \"" + label + "\"; the disk has not answered yet, \"dwellctl status\" says whether it is recorded");
+  return say(service, asked, "started: run \"" + label + "\" begins here and ends with \"dwellctl stop\"",
+             "asked: run \"" + label + "\"; whether it is recorded is not known yet, \"dwellctl status\" says it");
 }
 
 int label_run(const Service& service, const std::string& label, const std::string& comment) {

@@ -5,7 +5,7 @@ import { shortened, shortNames } from './polar.mjs';
 
 const LEFT = 8; // px, room before the first bin
 const SHARPEST = 2; // device pixels for one of the page's at most: more costs time and shows nothing
-// Letters: px at least, and rem (a wall display has large ones) as far as a lane has room for them.
+// Size of the letters: 0.75 rem (a wall display has large ones), less where a lane has no room for that, 12 px at least.
 const LETTERS = { least: 12, rem: 0.75, around: 4 };
 const BELOW = 10; // px, around the times
 // Room for a channel's name: part of the width, and px at least.
@@ -76,16 +76,16 @@ export class TracePlot {
       this.#rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
     }
     const lanes = Math.max(window.names.length, 1);
-    const room = (height - LETTERS.least - BELOW) / lanes - LETTERS.around;
+    const room = (height - BELOW - lanes * LETTERS.around) / (lanes + 1); // one line a lane, and the times
     this.#size = Math.round(Math.max(LETTERS.least, Math.min(LETTERS.rem * this.#rem, room)));
     const foot = this.#size + BELOW;
     c.setTransform(sharp, 0, 0, sharp, 0, 0);
     c.fillStyle = this.#style.sheet;
     c.fillRect(0, 0, width, height);
     c.font = `${this.#size}px system-ui, "DejaVu Sans", sans-serif`;
+    c.lineWidth = this.#size / LETTERS.least;
     this.#marks(view, width, height, height - foot);
     const lane = (height - foot) / lanes;
-    c.lineWidth = this.#size / LETTERS.least;
     const names = this.#namesOf(window.names, width);
     window.names.forEach((_, channel) => this.#lane(window, channel, names[channel], view, channel * lane, lane, ages[channel] ?? null));
     for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height - foot);

@@ -30,12 +30,11 @@ Result<DatabaseBytes> DatabaseBytes::open(const std::string& path) {
   constexpr int kFlags = SQLITE_OPEN_MAIN_DB | SQLITE_OPEN_READONLY | SQLITE_OPEN_NOFOLLOW;
   if (vfs->xOpen(vfs, bytes.name_.get(), bytes.file_.get(), kFlags, nullptr) != SQLITE_OK)
     return fails(path + ": " + system_text(vfs->xGetLastError(vfs, 0, nullptr)));
+  sqlite3_int64 size = 0;
+  if (bytes.file_->pMethods->xFileSize(bytes.file_.get(), &size) != SQLITE_OK)
+    return fails(path + ": its size cannot be read");
+  bytes.size_ = static_cast<std::uint64_t>(size);
   return bytes;
-}
-
-std::uint64_t DatabaseBytes::size() const noexcept {
-  sqlite3_int64 bytes = 0;
-  return file_->pMethods->xFileSize(file_.get(), &bytes) == SQLITE_OK ? static_cast<std::uint64_t>(bytes) : 0;
 }
 
 bool DatabaseBytes::read(std::uint64_t offset, char* to, std::size_t bytes) const noexcept {

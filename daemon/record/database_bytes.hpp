@@ -22,8 +22,8 @@ class DatabaseBytes {
   // Refuses a link. Fails with "PATH: reason".
   [[nodiscard]] static Result<DatabaseBytes> open(const std::string& path);
 
-  // As it is now; 0: not known.
-  [[nodiscard]] std::uint64_t size() const noexcept;
+  // As it was when it was opened.
+  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
   // false: there are fewer, or the disk failed.
   [[nodiscard]] bool read(std::uint64_t offset, char* to, std::size_t bytes) const noexcept;
 
@@ -38,6 +38,7 @@ class DatabaseBytes {
 
   std::unique_ptr<const char, FreeName> name_;  // SQLite keeps the pointer: it goes after the file
   std::unique_ptr<sqlite3_file, Close> file_;
+  std::uint64_t size_ = 0;
 };
 
 }  // namespace dwell::record

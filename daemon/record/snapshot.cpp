@@ -117,8 +117,8 @@ Result<Snapshot> Snapshot::open(const std::string& path, const std::function<boo
     impl->path = real.string();
     if (Result<void> held = impl->hold(); !held) return tl::unexpected(std::move(held.error()));
     Result<void> done = impl->connect(stop);
+    if (impl->vfs->stopped()) return fails({path + ": reading was given up", Cause::stopped});
     if (impl->unchanged()) {
-      if (impl->vfs->stopped()) return fails({path + ": reading was given up", Cause::stopped});
       if (!done) return tl::unexpected(std::move(done.error()));
       return Snapshot(std::move(impl));
     }

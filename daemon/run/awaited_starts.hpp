@@ -12,17 +12,19 @@
 namespace dwell {
 
 struct StartOutcome {
-  bool known = false;   // false: the disk has not answered for so long
+  bool known = false;   // false: the recorder did not get so far in time, or its run is over already
   std::string why_not;  // why the run is not recorded; empty: it is
 };
 
 // Bound to one thread. Instants: CLOCK_MONOTONIC_RAW.
 class AwaitedStarts {
  public:
-  // So long an answer waits at most. A usual one takes some tenths of a second. Longer: dwellctl gives up after 10 s.
+  // The longest wait for the recorder; usual are some tenths of a second. Shorter: a slow disk's runs are not known.
+  // Longer: dwellctl, which gives up after 10 s, is not answered.
   static constexpr std::int64_t kPatience_ns = 5'000'000'000;
+  explicit AwaitedStarts(std::int64_t patience_ns = kPatience_ns) : patience_ns_(patience_ns) {}
 
-  // number: of the request. tell: called once by look(), and must not throw.
+  // number: of the request. tell: called once by look().
   void add(std::uint16_t number, std::int64_t now_ns, std::function<void(const StartOutcome&)> tell);
   // Call it regularly.
   void look(const record::RecorderState& recorder, std::int64_t now_ns);
@@ -33,6 +35,7 @@ class AwaitedStarts {
     std::int64_t until_ns;
     std::function<void(const StartOutcome&)> tell;
   };
+  const std::int64_t patience_ns_;
   std::vector<Awaited> awaited_;  // in the order of the requests
 };
 

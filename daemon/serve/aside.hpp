@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -50,10 +51,14 @@ class Aside {
       });
   }
 
-  // Destroys `thing`, which may take long, on the thread; after it is done with all that was asked for before.
+  // Destroys `thing`, which may take long, on the thread, after all that was asked for before; here where the thread
+  // takes no more work or there is no memory.
   template <class Thing>
-  void drop(std::shared_ptr<Thing> thing) {
-    if (thread_) (void)thread_->post([thing = std::move(thing)](const auto&) {});
+  void drop(std::shared_ptr<Thing> thing) noexcept {
+    try {
+      if (thread_) (void)thread_->post([thing = std::move(thing)](const auto&) {});
+    } catch (const std::exception&) {
+    }
   }
 
   // Forgets what was asked for: no `then` is called any more.

@@ -23,11 +23,12 @@ class FileReader::OpenedFile {
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
   std::string next() {
-    // One that was removed stays as it is: nobody commits to a file without a name.
-    const record::FileIdentity now = record::identity_of(path_);
-    if (now != identity_ && now != record::FileIdentity{}) return {};
     std::string piece(std::min<std::uint64_t>(kPieceBytes, bytes_ - at_), '\0');
     if (!file_.read(at_, piece.data(), piece.size())) return {};
+    // After it was read, so that no change of it is missed. A file that was removed goes on as it was.
+    struct stat status {};
+    const bool removed = ::lstat(path_.c_str(), &status) != 0 && errno == ENOENT;
+    if (!removed && record::identity_of(path_) != identity_) return {};
     at_ += piece.size();
     return piece;
   }

@@ -92,13 +92,6 @@ tl::expected<Json, std::string> parse_request(std::string_view text) {
 
 bool is_operator_verb(std::string_view verb) { return verb_of(verb).has_value(); }
 
-bool asks_for_operator_verb(std::string_view line) {
-  const auto request = parse_request(line);
-  if (!request) return false;
-  const auto verb = request->find("verb");
-  return verb != request->end() && verb->is_string() && is_operator_verb(verb->get_ref<const std::string&>());
-}
-
 tl::expected<void, NotDone> perform(std::string_view name, const Json& request, const Operate& operate) {
   const auto verb = verb_of(name);
   if (!verb) return unusable("unknown verb \"" + std::string(name) + "\"");

@@ -27,8 +27,6 @@ struct NotDone {
 [[nodiscard]] tl::expected<Json, std::string> parse_request(std::string_view text);
 
 [[nodiscard]] bool is_operator_verb(std::string_view verb);
-// Whether a line of the control socket asks for one.
-[[nodiscard]] bool asks_for_operator_verb(std::string_view line);
 // Does what the verb and the other members of the object ask for.
 [[nodiscard]] tl::expected<void, NotDone> perform(std::string_view verb, const Json& request, const Operate& operate);
 

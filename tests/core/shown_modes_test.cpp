@@ -33,6 +33,7 @@ TEST(ShownModes, TellsOfAModeThatDecaysBeforeTheFitBegins) {
   for (const SeenMode& mode : motion.shown.modes()) {
     const Complex truth = mode.pole.imag() > 60 ? fast : FreeMotion::kMode;
     EXPECT_LT(std::abs(mode.pole - truth), 4 * std::sqrt(mode.pole_covariance().trace()));
+    EXPECT_GE(mode.seen_s, 5.5) << "from 2.5 s to 8 s at least";
   }
 }
 

@@ -197,7 +197,7 @@ TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
   EXPECT_NE(refused.err.find("nothing to stop: no run goes on"), std::string::npos) << refused.err;
   const Outcome asked = with({"start", "--label", "slow"});
   EXPECT_EQ(asked.code, 0) << asked.err;
-  EXPECT_EQ(asked.out.find("asked: run \"slow\"; the disk has not answered yet"), 0u) << asked.out;
+  EXPECT_EQ(asked.out.find("asked: run \"slow\"; whether it is recorded is not known yet"), 0u) << asked.out;
   EXPECT_EQ(run({"start", "--label", "a", "--control", "/nonexistent/control"}).code, 3);
   for (const char* verb : {"start", "label"}) EXPECT_EQ(with({verb}).code, 2) << verb << " without a label";
 }

@@ -18,10 +18,11 @@ struct AwaitedStartsTest : testing::Test {
     });
   }
   // What is told where the recorder's newest start is this.
-  std::vector<std::string> look(std::uint16_t newest, const char* obstacle = "", std::int64_t now_ns = 0) {
+  std::vector<std::string> look(std::uint16_t newest, const char* obstacle = "", std::int64_t now_ns = 0,
+                                bool ended = false) {
     record::RecorderState state;
     state.newest_start = newest;
-    state.recording = *obstacle == '\0';
+    state.recording = *obstacle == '\0' && !ended;
     state.obstacle.why = obstacle;
     told.clear();
     starts.look(state, now_ns);
@@ -52,12 +53,12 @@ TEST_F(AwaitedStartsTest, WaitsNoLongerThanItsPatience) {
   EXPECT_EQ(look(6, "", kLate_ns + 10), Told{"7 unknown"});
 }
 
-TEST_F(AwaitedStartsTest, AStartThatWasStoppedAndFollowedByAnotherIsToldWithIt) {
+TEST_F(AwaitedStartsTest, OfARunThatIsOverAlreadyNothingIsKnown) {
   ask(65535);
   ask(2);
   ask(4);
-  EXPECT_EQ(look(2, "disk full"), (Told{"65535 known", "2 known: disk full"}));
-  EXPECT_EQ(look(4), Told{"4 known"});
+  EXPECT_EQ(look(2, "disk full"), (Told{"65535 unknown", "2 known: disk full"})) << "another run came after the first";
+  EXPECT_EQ(look(4, "", 0, true), Told{"4 unknown"}) << "it was stopped at once";
 }
 
 }  // namespace

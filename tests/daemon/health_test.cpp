@@ -133,6 +133,12 @@ TEST_F(HealthTest, DoesNotKnowOfALimitWhoseNumberIsWithheldWhileTheRigIsMeasured
   EXPECT_TRUE(names().empty());
   snapshot.dwell.state = State::complete;
   EXPECT_EQ(unknown(), "") << "nothing is measured any more";
+  snapshot.dwell.state = State::fault;
+  EXPECT_NE(unknown(), "") << "the data do not suffice now";
+  snapshot.devices.resize(1);
+  snapshot.devices[0].ended = true;
+  EXPECT_EQ(unknown(), "") << "a recording was played to its end";
+  snapshot.devices.clear();
   snapshot.dwell.state = State::measuring;
   now_ns = 2'600'000'000;
   EXPECT_EQ(unknown(),

@@ -13,6 +13,7 @@
 #include "daemon/record/run_reader.hpp"
 #include "daemon/service.hpp"
 #include "tests/daemon/service_rig.hpp"
+#include "tests/durations.hpp"
 #include "tests/record/scratch.hpp"
 
 namespace dwell {
@@ -152,13 +153,17 @@ TEST(StartOfARun, IsAnsweredOnceItIsKnownWhetherItIsRecorded) {
   ServiceOptions options;
   options.handle_signals = false;
   options.control_path = scratch.path("control");
+  options.start_patience_ns = 600 * kSecond_ns;  // however slow the machine is
   auto service = Service::make(std::move(*file), drivers, options, *log);
   ASSERT_TRUE(service) << service.error().message;
   std::thread thread([&] { (*service)->run(); });
   const auto rests_with = [&](const char* next_file) {
+    bool rests = false;
     test::await((*service)->port(), "/api/v1/health", [&](const nlohmann::json& health) {
-      return health["recorder"]["reason"] == "no run goes on" && std::filesystem::exists(scratch.path(next_file));
+      return rests =
+                 health["recorder"]["reason"] == "no run goes on" && std::filesystem::exists(scratch.path(next_file));
     });
+    EXPECT_TRUE(rests) << next_file;
   };
   test::Client client = test::Client::local(options.control_path);
   const auto ask = [&client](const std::string& request) {

@@ -98,13 +98,14 @@ test('a mark of time tells its own instant, in every view and at every width', (
 
 test('letters are as large as the display has them, where a lane has room, and none stands on another', () => {
   const written = (options) => penOf({ min: readings(1, 2) }, options).filter(([does]) => does === 'text');
-  for (const [rem, height, size] of [[16, 100, 12], [16, 20, 12], [48, 100, 36], [48, 50, 24], [48, 30, 12]])
+  for (const [rem, height, size] of [[16, 100, 12], [16, 40, 12], [48, 100, 36], [48, 50, 18], [48, 30, 12]])
     for (const [, , text, , px] of written({ rem, height })) assert.equal(px, size, `"${text}" at a rem of ${rem} px, ${height} px high`);
-  for (const rem of [16, 48]) {
-    const texts = written({ rem, cursors: [['A', 25], ['B', 100]] });
-    const line = (wanted) => texts.find(([, , text]) => text === wanted)[3];
+  for (const [rem, height] of [[16, 100], [48, 100], [48, 50], [32, 60]]) {
+    const texts = written({ rem, height, cursors: [['A', 25], ['B', 100]] });
+    const line = (wanted) => texts.find(([, , text]) => wanted.test(text))[3];
     const size = texts[0][4];
-    assert.ok(line('now') < 100 && line('A') === line('B'));
-    assert.ok(line('A') < line('now') - size, `a cursor's name at ${line('A')}, the times at ${line('now')}`);
+    const [scale, now] = [line(/^y0/), line(/^now$/)];
+    assert.ok(scale < now - size && now < height, `the scale at ${scale}, the times at ${now}, ${size} px of ${height}`);
+    assert.ok(line(/^A$/) === line(/^B$/) && line(/^A$/) < now - size, `a cursor's name at ${line(/^A$/)}, the times at ${now}`);
   }
 });
