@@ -22,8 +22,7 @@ class ChainAudit {
  public:
   // every_signature: note_holds() verifies each signature, 0.1 ms a note and most of an audit's time. Otherwise only
   // newest_note_holds() verifies one. That is enough, since each note holds the hash of the note before it. stop: as
-  // Snapshot's. Once it has said true, whatever fails says nothing about the file: Cause::stopped here, stopped()
-  // later.
+  // Snapshot's. After it has said true, a failure does not tell of the file: Cause::stopped here, stopped() later.
   [[nodiscard]] static Result<ChainAudit> open(const std::string& path, ChainSort sort, bool every_signature,
                                                const std::function<bool()>& stop);
 
