@@ -41,10 +41,10 @@ struct MeasuredService {
   void raise_alarms() {
     constexpr std::int64_t kLong_ns = 2 * AlarmList::kLasts_ns;
     const std::vector<Trouble> troubles{{"channel:y0", "timeout"}, {"channel:y1", "timeout"}, {"log", "no room"}};
-    (void)alarms.follow(troubles, {0, 0});
-    (void)alarms.follow(troubles, {kLong_ns, kLong_ns});
+    (void)alarms.follow(troubles, {}, {0, 0});
+    (void)alarms.follow(troubles, {}, {kLong_ns, kLong_ns});
     (void)alarms.acknowledge("log", "anna (uid 1000)", "", {kLong_ns, kLong_ns});
-    (void)alarms.follow({troubles[0], troubles[2]}, {2 * kLong_ns, 2 * kLong_ns});
+    (void)alarms.follow({troubles[0], troubles[2]}, {}, {2 * kLong_ns, 2 * kLong_ns});
   }
   // A chain of so many masses, each element measured: c = 1000 k, r = 10 k, U95 a hundredth of it.
   void chain_of(int masses) {
