@@ -204,9 +204,14 @@ struct Service::Impl {
     if (start == 0 || session->recorder() == nullptr) return said;
     return ControlReply([this, start, said = std::move(said)](const ControlReply::Answer& answer) {
       starts.add(start, raw_now_ns(), [said, answer](const StartOutcome& outcome) {
-        if (!outcome.known) return answer(R"({"done":true,"recording":null})");
-        if (outcome.why_not.empty()) return answer(said);
-        answer(dump(Json{{"error", "the run was asked for and is not recorded: " + outcome.why_not}}));
+        switch (outcome.is) {
+          case StartOutcome::Is::recorded:
+            return answer(said);
+          case StartOutcome::Is::not_recorded:
+            return answer(dump(Json{{"error", "the run was asked for and is not recorded: " + outcome.why}}));
+          case StartOutcome::Is::unknown:
+            return answer(R"({"done":true,"recording":null})");
+        }
       });
     });
   }

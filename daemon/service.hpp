@@ -18,7 +18,7 @@ struct ServiceOptions {
   std::string control_path;    // empty: no control socket
   std::string page_folder{};   // of the page's files; empty: no page
   bool handle_signals = true;  // those of service_signals(), which must be blocked in every thread
-  std::int64_t start_patience_ns = AwaitedStarts::kPatience_ns;
+  std::int64_t start_patience_ns = AwaitedStarts::kPatience_ns;  // the longest wait of an answer to `start`
 };
 
 // SIGTERM and SIGINT end run(). SIGHUP checks the rig file as it stands now and says in the log what it found.

@@ -12,8 +12,9 @@
 namespace dwell {
 
 struct StartOutcome {
-  bool known = false;   // false: the recorder did not get so far in time, or its run is over already
-  std::string why_not;  // why the run is not recorded; empty: it is
+  // unknown: the recorder did not get so far in time, or the run was over before anybody looked.
+  enum class Is : std::uint8_t { recorded, not_recorded, unknown } is = Is::unknown;
+  std::string why;  // of not_recorded
 };
 
 // Bound to one thread. Instants: CLOCK_MONOTONIC_RAW.

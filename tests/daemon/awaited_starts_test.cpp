@@ -13,8 +13,10 @@ constexpr std::int64_t kLate_ns = AwaitedStarts::kPatience_ns;
 struct AwaitedStartsTest : testing::Test {
   void ask(std::uint16_t number, std::int64_t now_ns = 0) {
     starts.add(number, now_ns, [this, number](const StartOutcome& outcome) {
-      told.push_back(std::to_string(number) + (outcome.known ? " known" : " unknown") +
-                     (outcome.why_not.empty() ? "" : ": " + outcome.why_not));
+      const char* const is = outcome.is == StartOutcome::Is::recorded       ? " recorded"
+                             : outcome.is == StartOutcome::Is::not_recorded ? " not recorded: "
+                                                                            : " unknown";
+      told.push_back(std::to_string(number) + is + outcome.why);
     });
   }
   // What is told where the recorder's newest start is this.
@@ -37,14 +39,14 @@ struct AwaitedStartsTest : testing::Test {
 TEST_F(AwaitedStartsTest, IsToldOnceTheRecorderHasTheRun) {
   ask(7);
   EXPECT_EQ(look(0), Told{});
-  EXPECT_EQ(look(7), Told{"7 known"});
+  EXPECT_EQ(look(7), Told{"7 recorded"});
   EXPECT_EQ(look(7), Told{}) << "once";
 }
 
 TEST_F(AwaitedStartsTest, IsToldWhyTheRunIsNotRecorded) {
   ask(7);
   EXPECT_EQ(look(6, "disk full"), Told{}) << "that is of an earlier run";
-  EXPECT_EQ(look(7, "disk full"), Told{"7 known: disk full"});
+  EXPECT_EQ(look(7, "disk full"), Told{"7 not recorded: disk full"});
 }
 
 TEST_F(AwaitedStartsTest, WaitsNoLongerThanItsPatience) {
@@ -57,7 +59,8 @@ TEST_F(AwaitedStartsTest, OfARunThatIsOverAlreadyNothingIsKnown) {
   ask(65535);
   ask(2);
   ask(4);
-  EXPECT_EQ(look(2, "disk full"), (Told{"65535 unknown", "2 known: disk full"})) << "another run came after the first";
+  EXPECT_EQ(look(2, "disk full"), (Told{"65535 unknown", "2 not recorded: disk full"}))
+      << "another run came after the first";
   EXPECT_EQ(look(4, "", 0, true), Told{"4 unknown"}) << "it was stopped at once";
 }
 

@@ -21,24 +21,32 @@ namespace {
 
 constexpr double kEvery_s = 2.0;
 
+tl::expected<std::unique_ptr<Service>, Service::Failure> service_of(const std::string& rig_file, Log& log,
+                                                                    ServiceOptions options) {
+  const config::SchemaSource drivers = [](std::string_view name) {
+    return acquire::load_plugin(std::string(name), {DWELL_TEST_PLUGINS});
+  };
+  auto file = config::parse(rig_file, "rig.toml", drivers);
+  if (!file) return tl::unexpected(Service::Failure{2, config::to_string("rig.toml", file.error())});
+  options.handle_signals = false;
+  return Service::make(std::move(*file), drivers, options, log);
+}
+
+std::unique_ptr<Log> quiet_log() {
+  LogOptions quiet;
+  quiet.console = false;
+  return std::move(*Log::make(quiet));
+}
+
 // Played once for all tests: measured for six seconds, then the rig's plug is pulled.
 struct RecordedService : testing::Test {
   static void SetUpTestSuite() {
     auto rig = rigsim::Server::start(test::clamped_rig());
     ASSERT_TRUE(rig) << rig.error();
-    const config::SchemaSource drivers = [](std::string_view name) {
-      return acquire::load_plugin(std::string(name), {DWELL_TEST_PLUGINS});
-    };
-    auto file = config::parse(
+    const auto log = quiet_log();
+    auto service = service_of(
         test::rig_file((*rig)->tcp_port()) + "[recording]\ndirectory = \"" + scratch().path() + "\"\nevery = 2.0\n",
-        "rig.toml", drivers);
-    ASSERT_TRUE(file) << config::to_string("rig.toml", file.error());
-    LogOptions quiet;
-    quiet.console = false;
-    const auto log = std::move(*Log::make(quiet));
-    ServiceOptions options;
-    options.handle_signals = false;
-    auto service = Service::make(std::move(*file), drivers, options, *log);
+        *log, {});
     ASSERT_TRUE(service) << service.error().message;
     std::thread thread([&] { (*service)->run(); });
     const auto dwell = [&](const auto& enough) { return test::await((*service)->port(), "/api/v1/dwell", enough); };
@@ -140,21 +148,13 @@ TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsk
 TEST(StartOfARun, IsAnsweredOnceItIsKnownWhetherItIsRecorded) {
   const record::Scratch scratch;
   std::filesystem::create_directory(scratch.path("runs"));
-  const config::SchemaSource drivers = [](std::string_view name) {
-    return acquire::load_plugin(std::string(name), {DWELL_TEST_PLUGINS});
-  };
   constexpr std::uint16_t kNobody = 1;  // a port without a device: runs begin by the operator alone
-  auto file = config::parse(test::rig_file(kNobody) + "[recording]\ndirectory = \"" + scratch.path("runs") + "\"\n",
-                            "rig.toml", drivers);
-  ASSERT_TRUE(file) << config::to_string("rig.toml", file.error());
-  LogOptions quiet;
-  quiet.console = false;
-  const auto log = std::move(*Log::make(quiet));
+  const auto log = quiet_log();
   ServiceOptions options;
-  options.handle_signals = false;
   options.control_path = scratch.path("control");
   options.start_patience_ns = 600 * kSecond_ns;  // however slow the machine is
-  auto service = Service::make(std::move(*file), drivers, options, *log);
+  auto service = service_of(test::rig_file(kNobody) + "[recording]\ndirectory = \"" + scratch.path("runs") + "\"\n",
+                            *log, options);
   ASSERT_TRUE(service) << service.error().message;
   std::thread thread([&] { (*service)->run(); });
   const auto rests_with = [&](const char* next_file) {
