@@ -68,8 +68,8 @@ std::optional<AlarmChange> AlarmList::raise(const Trouble& trouble, const record
   return AlarmChange{before, alarm};
 }
 
-// A trouble found by this call and by the last one has lasted for the time between them. One that is unknown is as it
-// was. Any other has faded.
+// A trouble found by this call and by the last one has lasted for the time between them. The time of an unknown one
+// stands still. Any other has faded.
 void AlarmList::weigh(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown, std::int64_t raw_ns) {
   const std::int64_t passed_ns = lasting_.empty() ? 0 : raw_ns - looked_ns_;
   looked_ns_ = raw_ns;
@@ -78,11 +78,11 @@ void AlarmList::weigh(const std::vector<Trouble>& troubles, const std::vector<Tr
     present.insert(trouble.name);
     lasting_.emplace(trouble.name, Lasting{0, raw_ns, false});
   }
-  std::set<std::string_view> untold;
-  for (const Trouble& trouble : unknown) untold.insert(trouble.name);
+  std::set<std::string_view> stands_still;
+  for (const Trouble& trouble : unknown) stands_still.insert(trouble.name);
   for (auto at = lasting_.begin(); at != lasting_.end();) {
     Lasting& lasting = at->second;
-    if (untold.count(at->first) > 0) {
+    if (stands_still.count(at->first) > 0) {
       lasting.present = false;
       lasting.seen_ns += passed_ns;
       ++at;

@@ -64,9 +64,9 @@ class AlarmList {
   // Alarms at a time; nobody reads more. Further ones are counted, and enter once there is room.
   static constexpr std::size_t kMost = 200;
 
-  // troubles: all that is wrong now. unknown: troubles of which it is not known now whether they are there. Their times
-  // stand still; an active alarm stays, with this text. Returns the changes that are to be told. Of an alarm that flaps
-  // and that nobody acknowledges these are only its first raising and its first return.
+  // troubles: all that is wrong now. unknown: what nobody can judge now; its time stands still, and its active alarm
+  // stays, with this text. Returns the changes that are to be told. An alarm that flaps, and that nobody acknowledges,
+  // is told when it is first raised and when it first returns.
   std::vector<AlarmChange> follow(const std::vector<Trouble>& troubles, const std::vector<Trouble>& unknown,
                                   const record::ClockPair& now);
   // by: who, for people to read; comment: empty: none. Fails with the reason why there is nothing to acknowledge.

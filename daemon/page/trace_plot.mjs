@@ -8,6 +8,7 @@ const SHARPEST = 2; // device pixels for one of the page's at most: more costs t
 // Size of the letters: 0.75 rem (a wall display has large ones), less where a lane has no room for that, 12 px at least.
 const LETTERS = { least: 12, rem: 0.75, around: 4 };
 const BELOW = 10; // px, around the times
+const MARK = 9.2; // letters, from one time to the next at least
 // Room for a channel's name: part of the width, and px at least.
 const NAME = { part: 0.2, least: 130 };
 
@@ -105,7 +106,7 @@ export class TracePlot {
   #marks(view, width, height, bottom) {
     const c = this.#context;
     const range = view.to_s - view.from_s;
-    const step = markStep(range, Math.max(2, width / (9.2 * this.#size)));
+    const step = markStep(range, Math.max(2, width / (MARK * this.#size)));
     c.strokeStyle = this.#style.line;
     c.fillStyle = this.#style.faint;
     c.textAlign = 'center';
@@ -116,7 +117,7 @@ export class TracePlot {
       c.moveTo(x, 0);
       c.lineTo(x, bottom);
       c.textAlign = steps === 0 ? 'right' : 'center';
-      if (x > 2.5 * this.#size) c.fillText(steps === 0 ? view.end : markText(steps, step), steps === 0 ? x + LEFT : x, height - BELOW / 2 - 1);
+      if (x > MARK / 4 * this.#size) c.fillText(steps === 0 ? view.end : markText(steps, step), steps === 0 ? x + LEFT : x, height - BELOW / 2 - 1);
     }
     c.stroke();
   }

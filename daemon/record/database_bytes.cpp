@@ -29,7 +29,7 @@ Result<DatabaseBytes> DatabaseBytes::open(const std::string& path) {
   bytes.file_->pMethods = nullptr;
   constexpr int kReadOnly = SQLITE_OPEN_MAIN_DB | SQLITE_OPEN_READONLY | SQLITE_OPEN_NOFOLLOW;
   if (vfs->xOpen(vfs, bytes.name_.get(), bytes.file_.get(), kReadOnly, nullptr) != SQLITE_OK)
-    return fails(path + ": " + system_text(vfs->xGetLastError(vfs, 0, nullptr)));
+    return fails(path + ": cannot be opened: " + system_text(vfs->xGetLastError(vfs, 0, nullptr)));
   sqlite3_int64 size = 0;
   if (bytes.file_->pMethods->xFileSize(bytes.file_.get(), &size) != SQLITE_OK)
     return fails(path + ": its size cannot be read");

@@ -247,7 +247,6 @@ TEST(ModeResidual, OfAFilterWhoseCornerIsOffByItsUncertaintyLiesWithinItsOwn) {
   EXPECT_GT(out, 30);
 }
 
-// A bracket that rings at the mode's own pole falsifies one amplitude; the pole is as it was.
 // A pole one decay rate off, known to 0.18 of it: the parabola says 5.6 standard deviations, the likelihood 5.0.
 TEST(ModeResidual, APoleFarFromTheChainsOwnIsWeighedByTheLikelihood) {
   const Chain chain{Boundary::free, {2.0}, {8e3}, {4.0}};
@@ -271,6 +270,7 @@ TEST(ModeResidual, APoleFarFromTheChainsOwnIsWeighedByTheLikelihood) {
   EXPECT_TRUE(widened.change_covariance(0).isApprox(near.change_covariance(0)));
 }
 
+// A bracket that rings at the mode's own pole falsifies one amplitude; the pole is as it was.
 TEST(ModeResidual, ItsTestOfThePoleAloneDoesNotHeedAnAmplitudeAndHeedsAMass) {
   const double omega = 2 * M_PI * kHz;
   for (const Chain& chain : {Chain{Boundary::free, {8, 5}, {9000, 6000}, {40, 25}},
