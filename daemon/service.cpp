@@ -202,16 +202,10 @@ struct Service::Impl {
       return done;
     });
     if (start == 0 || session->recorder() == nullptr) return said;
-    return ControlReply([this, start, said = std::move(said)](const ControlReply::Answer& answer) {
-      starts.add(start, raw_now_ns(), [said, answer](const StartOutcome& outcome) {
-        switch (outcome.is) {
-          case StartOutcome::Is::recorded:
-            return answer(said);
-          case StartOutcome::Is::not_recorded:
-            return answer(dump(Json{{"error", "the run was asked for and is not recorded: " + outcome.why}}));
-          case StartOutcome::Is::unknown:
-            return answer(R"({"done":true,"recording":null})");
-        }
+    return ControlReply([this, start](const ControlReply::Answer& answer) {
+      starts.add(start, raw_now_ns(), [answer](const StartOutcome& outcome) {
+        const auto known = start_answer(outcome);
+        answer(known ? *known : dump(Json{{"error", known.error()}}));
       });
     });
   }
@@ -275,6 +269,10 @@ struct Service::Impl {
     if (!page_folder.empty() && !page.trouble().empty()) log.warning("no page for operators: " + page.trouble());
     HttpContent content{[this] { return view(); }, std::move(page), &*rights};
     content.operate = [this](const OperatorRequest& request, const record::Person& by) { return operate(request, by); };
+    if (session->recorder() != nullptr)
+      content.await_start = [this](std::function<void(const StartOutcome&)> tell) {
+        starts.add(session->operators().newest(), raw_now_ns(), std::move(tell));
+      };
     auto made = Http::make(loop, http_options(server), std::move(content));
     if (!made) return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, made.error().message});
     http = std::move(*made);

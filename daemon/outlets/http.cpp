@@ -7,6 +7,7 @@
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/http_actions.hpp"
+#include "daemon/serve/operator_verbs.hpp"
 #include "daemon/serve/query.hpp"
 
 namespace dwell {
@@ -81,8 +82,16 @@ HttpReply Http::act(std::string_view verb, const HttpRequest& request) const {
     return reply;
   }
   if (auto refused = content_.rights->changing_refused(request)) return std::move(*refused);
-  return action_answer(verb, request,
-                       [&](const OperatorRequest& asked) { return content_.operate(asked, bearer_at(request.from)); });
+  HttpReply reply = action_answer(
+      verb, request, [&](const OperatorRequest& asked) { return content_.operate(asked, bearer_at(request.from)); });
+  if (verb == "start" && reply.status == 200 && content_.await_start)
+    reply.awaited = [this](const HttpReply::Tell& tell) {
+      content_.await_start([tell](const StartOutcome& outcome) {
+        auto known = start_answer(outcome);
+        tell(known ? HttpReply{200, std::move(*known)} : http_error(409, known.error()));
+      });
+    };
+  return reply;
 }
 
 void Http::show(const ServiceView& now) {

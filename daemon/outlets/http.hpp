@@ -12,6 +12,7 @@
 #include "daemon/outlets/dwell_stream.hpp"
 #include "daemon/outlets/live_traces.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/run/awaited_starts.hpp"
 #include "daemon/run/operator_requests.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/serve/page_files.hpp"
@@ -27,6 +28,8 @@ struct HttpContent {
   Rights* rights = nullptr;          // null: everybody may read, nobody may change anything; else must outlive the Http
   // Does what a person asks for, or fails with the reason; may be empty where rights is null.
   std::function<tl::expected<void, std::string>(const OperatorRequest&, const record::Person&)> operate{};
+  // Called after a start was done: tells later, once, whether its run is recorded. Empty: nothing is recorded.
+  std::function<void(std::function<void(const StartOutcome&)>)> await_start{};
 };
 
 class Http final : public Outlet {

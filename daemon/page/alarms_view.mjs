@@ -11,19 +11,19 @@ const underWay = new Set(); // names of the alarms that are being acknowledged
 let note = null; // on the newest acknowledgement, as noteText takes it
 let now_s = 0;
 
-function noteOf(name, why) {
-  const text = why === '' ? `${name} is acknowledged.` : why === null
-    ? `${name}: no answer, so whether it is acknowledged is not known; the list above will tell.` : `${name} was not acknowledged: ${why}`;
-  return { text, failed: why !== '', at_s: now_s };
+function noteOf(name, answer) {
+  const text = answer?.done ? `${name} is acknowledged.` : answer === null
+    ? `${name}: no answer, so whether it is acknowledged is not known; the list above will tell.` : `${name} was not acknowledged: ${answer.error}`;
+  return { text, failed: !answer?.done, at_s: now_s };
 }
 
 function makeRow({ name }, changed) {
   const button = h('button', { type: 'button', 'aria-label': `Acknowledge ${name}` }, 'Acknowledge');
   button.addEventListener('click', async () => {
     underWay.add(name);
-    const why = await whileDisabled([button], () => give('/api/v1/alarms/acknowledge', { alarm: name }));
+    const answer = await whileDisabled([button], () => give('/api/v1/alarms/acknowledge', { alarm: name }));
     underWay.delete(name);
-    note = noteOf(name, why);
+    note = noteOf(name, answer);
     changed();
   });
   return h('li', {}, h('div', {}, h('strong', { class: 'word' }), ' ', h('span', { class: 'text' }), ' ', h('code', {}), h('span', { class: 'small when' })), button);

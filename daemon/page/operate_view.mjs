@@ -40,13 +40,14 @@ async function order(path, body, done) {
   if (busy) return false;
   busy = true;
   say('');
-  const why = await whileDisabled([...$('operate').querySelectorAll('button')], () => give(path, body));
+  const answer = await whileDisabled([...$('operate').querySelectorAll('button')], () => give(path, body));
   busy = false;
-  if (why === '') say(done);
-  else if (why === null) say('No answer: whether it was done is not known. See the state above and the events.', true);
-  else say(`Not done: ${why}`, true);
+  if (answer === null) say('No answer: whether it was done is not known. See the state above and the events.', true);
+  else if (!answer.done) say(`Not done: ${answer.error}`, true);
+  else if (answer.recording === null) say(`${done} Whether it is recorded is not known yet: see the state above.`, true);
+  else say(done);
   await ask();
-  return why === '';
+  return Boolean(answer?.done);
 }
 
 function onSubmit(id, act) {

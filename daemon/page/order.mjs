@@ -1,13 +1,15 @@
 // Orders to the service over HTTP, and what is said of them.
 
-const ANSWER_MS = 5000; // then an order is given up
+const ANSWER_MS = 8000; // then an order is given up; the service answers a start after 5 s at the latest
 
-// Gives an order. Resolves to why it was not done; empty: it was; null: no answer came, so it is not known.
+// Gives an order. Resolves to the service's answer, { done: true } and more; { error }: why it was not done; null: no
+// answer came, so it is not known.
 export async function give(path, body) {
   try {
     const answer = await fetch(path, { method: 'POST', signal: AbortSignal.timeout(ANSWER_MS),
       headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
-    return answer.ok ? '' : (await answer.json()).error ?? `status ${answer.status}`;
+    const told = await answer.json();
+    return answer.ok ? told : { error: told.error ?? `status ${answer.status}` };
   } catch {
     return null;
   }

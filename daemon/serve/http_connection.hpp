@@ -175,6 +175,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       reply = http_error(500, "the answer could not be made");
     }
     if (reply.later) return answer_later(std::move(reply.later), head, keep_alive);
+    if (reply.awaited) return answer_once_told(reply.awaited, head, keep_alive);
     if (reply.file.empty()) return answer(std::move(reply), head, keep_alive);
     begin_file(std::move(reply), head, keep_alive);
   }
@@ -267,6 +268,14 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         [self = shared_from_this(), place, head, keep_alive](HttpReply reply) {
           self->or_close([&] { self->answer(std::move(reply), head, keep_alive); });
         });
+  }
+
+  void answer_once_told(const std::function<void(HttpReply::Tell)>& awaited, bool head, bool keep_alive) {
+    phase_ = Phase::answered;
+    stream_.expires_never();  // whoever tells sets the time
+    awaited([self = shared_from_this(), head, keep_alive](HttpReply reply) {
+      self->or_close([&] { self->answer(std::move(reply), head, keep_alive); });
+    });
   }
 
   void begin_file(HttpReply reply, bool head_alone, bool keep_alive) {

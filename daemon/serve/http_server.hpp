@@ -41,6 +41,10 @@ struct HttpReply {
   std::string file_name{};  // under which a browser keeps it: letters, digits, ".", "_" and "-"
   // Makes the answer aside: for what waits for the disk. Owns what it uses. Empty: this is the answer.
   std::function<HttpReply()> later{};
+  // Has the answer told once, on the loop's thread: for what is known only later. If nobody tells, the client waits
+  // until it gives up. Empty: this is the answer.
+  using Tell = std::function<void(HttpReply)>;
+  std::function<void(Tell)> awaited{};
 };
 
 struct HttpOptions {

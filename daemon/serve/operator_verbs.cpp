@@ -112,4 +112,16 @@ tl::expected<void, NotDone> perform(std::string_view name, const Json& request, 
   return {};
 }
 
+tl::expected<std::string, std::string> start_answer(const StartOutcome& outcome) {
+  switch (outcome.is) {
+    case StartOutcome::Is::recorded:
+      return R"({"done":true})";
+    case StartOutcome::Is::not_recorded:
+      return tl::unexpected("the run was asked for and is not recorded: " + outcome.why);
+    case StartOutcome::Is::unknown:
+      break;
+  }
+  return R"({"done":true,"recording":null})";
+}
+
 }  // namespace dwell

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/run/awaited_starts.hpp"
 #include "daemon/run/operator_requests.hpp"
 
 namespace dwell {
@@ -29,5 +30,7 @@ struct NotDone {
 [[nodiscard]] bool is_operator_verb(std::string_view verb);
 // Does what the verb and the other members of the object ask for.
 [[nodiscard]] tl::expected<void, NotDone> perform(std::string_view verb, const Json& request, const Operate& operate);
+// The JSON that answers `start`, or why its run is not recorded.
+[[nodiscard]] tl::expected<std::string, std::string> start_answer(const StartOutcome& outcome);
 
 }  // namespace dwell

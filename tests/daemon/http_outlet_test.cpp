@@ -140,6 +140,9 @@ struct GuardedHttpTest : testing::Test {
       done.push_back(request.label + " by " + record::who(by));
       return {};
     };
+    content.await_start = [this](std::function<void(const StartOutcome&)> tell) {
+      loop.post([tell = std::move(tell), came = outcome] { tell(came); });
+    };
     auto made = Http::make(loop, options, std::move(content));
     EXPECT_TRUE(made) << made.error().message;
     http = std::move(*made);
@@ -159,10 +162,30 @@ struct GuardedHttpTest : testing::Test {
   RunInfo run;
   Snapshot snapshot;
   std::vector<std::string> done;
+  StartOutcome outcome{StartOutcome::Is::recorded, ""};  // of the next start
   EventLoop loop;
   std::unique_ptr<Http> http;
   std::optional<test::LoopThread> thread;
 };
+
+TEST_F(GuardedHttpTest, AStartIsAnsweredWithWhatCameOfIt) {
+  test::Client client = test::Client::tcp(http->server().port());
+  const auto order = [&](const std::string& verb, const std::string& body) {
+    client.send("POST /api/v1/" + verb + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n" +
+                "Authorization: Bearer " + kGuard + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" +
+                body);
+    const test::Answer answer = test::read_answer(client);
+    return std::to_string(answer.status) + " " + answer.body;
+  };
+  const std::string label = R"({"label":"mine"})";
+  EXPECT_EQ(order("start", label), R"(200 {"done":true})");
+  outcome = {StartOutcome::Is::not_recorded, "disk full"};
+  EXPECT_EQ(order("start", label),
+            R"(409 {"error":"the run was asked for and is not recorded: disk full","status":409})");
+  outcome = {StartOutcome::Is::unknown, ""};
+  EXPECT_EQ(order("start", label), R"(200 {"done":true,"recording":null})");
+  EXPECT_EQ(order("stop", "{}"), R"(200 {"done":true})") << "of a stop nothing is awaited";
+}
 
 TEST_F(GuardedHttpTest, WhoShowsTheTokenMayAndIsRecordedByAddress) {
   const std::string json = "Content-Type: application/json\r\n";

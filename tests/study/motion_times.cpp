@@ -13,7 +13,7 @@
 namespace dwell::study {
 namespace {
 
-constexpr double kWide = 0.1;
+constexpr double kNarrow = 0.1;
 constexpr double kNormal95 = 1.96;
 constexpr double kGiveUp_periods = 400;
 constexpr double kGivenUp = 6.0;  // times the bound
@@ -42,18 +42,18 @@ Dwell harmonic(const Case& about) {
 
 bool reported(const Dwell& dwell, std::size_t e) { return dwell.elements[e].identifiable; }
 
-bool bound_is_wide(const Case& about, const Dwell& dwell, double until_s) {
+bool bound_is_narrow(const Case& about, const Dwell& dwell, double until_s) {
   const std::vector<ReadingAt> readings = readings_at(about, about.change_s, until_s, kMostUntilKnown);
   const bool from_rest = about.remark.find("from rest") != std::string::npos;
   const auto count = static_cast<Eigen::Index>(2 * dwell.elements.size());
   const Eigen::VectorXd u = bound_of(derivatives(world_of(about), readings, from_rest), count);
   for (std::size_t e = 0; e < dwell.elements.size(); ++e)
-    if (reported(dwell, e) && !(kNormal95 * u.segment(static_cast<Eigen::Index>(2 * e), 2).maxCoeff() <= kWide))
+    if (reported(dwell, e) && !(kNormal95 * u.segment(static_cast<Eigen::Index>(2 * e), 2).maxCoeff() <= kNarrow))
       return false;
   return true;
 }
 
-bool estimate_is_wide(const Case& about, const Dwell& dwell, double until_s) {
+bool estimate_is_narrow(const Case& about, const Dwell& dwell, double until_s) {
   MotionRecorder recorder(about.rig);
   Player player(about);
   for (Record record = player.next(); player.now_s() < until_s; record = player.next()) recorder.take(record);
@@ -61,8 +61,8 @@ bool estimate_is_wide(const Case& about, const Dwell& dwell, double until_s) {
   if (!estimate.reason.empty()) return false;
   for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
     const ElementEstimate& seen = estimate.elements[e];
-    if (reported(dwell, e) && !(seen.identifiable && seen.stiffness.U95 <= kWide * std::abs(seen.stiffness.value) &&
-                                seen.damping.U95 <= kWide * std::abs(seen.damping.value)))
+    if (reported(dwell, e) && !(seen.identifiable && seen.stiffness.U95 <= kNarrow * std::abs(seen.stiffness.value) &&
+                                seen.damping.U95 <= kNarrow * std::abs(seen.damping.value)))
       return false;
   }
   return true;
@@ -86,12 +86,18 @@ MotionTimes play_times(const Case& about) {
   out.harmonic_s = dwell.verdict_s - about.change_s;
   const double end_s = out.harmonic_s + about.hold_periods * about.period_s();
   double bound_s = 0.05 * about.period_s();
-  while (bound_s < end_s && !bound_is_wide(about, dwell, about.change_s + bound_s)) bound_s *= kFineGrid;
+  while (bound_s < end_s && !bound_is_narrow(about, dwell, about.change_s + bound_s)) bound_s *= kFineGrid;
   if (bound_s >= end_s) return out;
   out.bound_s = bound_s;
-  for (double so_far_s = bound_s; so_far_s <= kGivenUp * bound_s; so_far_s *= kGrid)
-    if (estimate_is_wide(about, dwell, about.change_s + so_far_s)) {
-      out.seen_s = so_far_s;
+  const auto known = [&](double so_far_s) { return estimate_is_narrow(about, dwell, about.change_s + so_far_s); };
+  double coarse_s = bound_s;
+  while (coarse_s <= kGivenUp * bound_s && !known(coarse_s)) coarse_s *= kGrid;
+  if (coarse_s > kGivenUp * bound_s) return out;
+  // Between the last that did not know enough and the first that did, in the steps of the bound.
+  out.seen_s = coarse_s;
+  for (double fine_s = coarse_s / kGrid * kFineGrid; coarse_s > bound_s && fine_s < coarse_s; fine_s *= kFineGrid)
+    if (known(fine_s)) {
+      out.seen_s = fine_s;
       break;
     }
   return out;

@@ -18,7 +18,7 @@ struct MotionTimes {
 };
 
 // The table is taken as known up to amplitude and phase of its harmonics, frequency, offset and start. A case whose
-// drive begins with the recording. Estimates on a grid of steps of 15 % from the bound on.
+// drive begins with the recording. Both in steps of 5 % of the time; from the bound on 15 %, back in steps of 5 %.
 [[nodiscard]] MotionTimes play_times(const Case& about);
 
 }  // namespace dwell::study
