@@ -62,7 +62,8 @@ bool same_file(const std::string& a, const std::string& b) {
 // What was written, for people and for programs.
 struct Written {
   std::uint64_t samples = 0;
-  std::string more;  // "; 3 datasets of …"
+  bool empty = false;  // no reading is in the file
+  std::string more;    // "; 3 datasets of …"
   Json json = Json::object();
 };
 
@@ -90,14 +91,14 @@ Result<Written> write_csv(Selection& selection, const Provenance& from, const Ex
   const auto count = handon::export_csv(selection, from, {options.in_unit}, target_of(options), progress);
   if (!count) return tl::make_unexpected(count.error());
   if (auto done = write_rig(selection, {rig, options.overwrite}); !done) return tl::make_unexpected(done.error());
-  return Written{*count, "; the rig file: " + rig, {{"rig_file", rig}}};
+  return Written{*count, *count == 0, "; the rig file: " + rig, {{"rig_file", rig}}};
 }
 
 Result<Written> write_hdf5(Selection& selection, const Provenance& from, const ExportRunOptions& options,
                            const Progress& progress) {
   const auto count = handon::export_hdf5(selection, from, target_of(options), progress);
   if (!count) return tl::make_unexpected(count.error());
-  return Written{*count, "", Json::object()};
+  return Written{*count, *count == 0, "", Json::object()};
 }
 
 Result<Written> write_uff(Selection& selection, const Provenance& from, const ExportRunOptions& options,
@@ -106,6 +107,7 @@ Result<Written> write_uff(Selection& selection, const Provenance& from, const Ex
   if (!done) return tl::make_unexpected(done.error());
   Written written{
       done->samples,
+      done->datasets == 0,
       "; " + std::to_string(done->values) + " even values in " + std::to_string(done->datasets) + " datasets",
       {{"values", done->values}, {"datasets", done->datasets}, {"left_out", done->left_out}}};
   if (done->left_out > 0)
@@ -196,7 +198,10 @@ int export_run(const ExportRunOptions& options) {
     return kUsage;
   }
   tell(options, *written, from);
-  return kDone;
+  if (!written->empty) return kDone;
+  tell_error(options.output + ": holds no readings, for the run or the range asked for has none" +
+             (options.format == "uff" ? " that can be resampled" : ""));
+  return kNo;
 }
 
 int report(const ReportOptions& options) {
@@ -234,7 +239,7 @@ int report(const ReportOptions& options) {
   } else {
     std::printf("%s: the file is %s\n", printable(options.output).c_str(), printable(from.audit).c_str());
   }
-  return audit->state == record::AuditState::tampered ? kNo : kDone;
+  return audit->state == record::AuditState::tampered || !audit->broken_ledger.empty() ? kNo : kDone;
 }
 
 }  // namespace dwell::ctl

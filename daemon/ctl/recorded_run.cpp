@@ -32,7 +32,10 @@ tl::expected<std::unique_ptr<const config::RigFile>, int> load_rig(const std::st
 
 }  // namespace
 
-void tell_error(const std::string& text) { std::fprintf(stderr, "dwellctl: %s\n", printable(text).c_str()); }
+void tell_error(const std::string& text) {
+  constexpr std::size_t kMost = 4000;  // a hostile file may put megabytes into a message
+  std::fprintf(stderr, "dwellctl: %s%s\n", printable(text.substr(0, kMost)).c_str(), text.size() > kMost ? " …" : "");
+}
 
 tl::expected<RecordedRun, int> RecordedRun::load(const std::string& rig, const std::string& data) {
   return is_run_file(data) ? from_run_file(rig, data) : from_csv(rig, data);

@@ -63,11 +63,11 @@ Result<RunSummary> read_summary(const std::string& file) {
   const auto key = record::PublicKey::parse(run.header.vkey);
   run.key = key ? key->fingerprint() : "not readable: " + key.error();
   std::string unreadable;
-  const auto results = reader->results(true, [&](const record::StoredResult& result) {
+  const auto results = reader->dwells([&](const record::StoredResult& result) {
     auto view = dwell_from_json(Json::parse(result.dwell, nullptr, false));
-    if (view)
+    if (view && (result.final || view->dwell.index))
       run.dwells.push_back(std::move(*view));
-    else
+    else if (!view)
       unreadable = file + ": the result at position " + std::to_string(result.position) + ": " + view.error();
     return unreadable.empty();
   });

@@ -22,7 +22,7 @@ struct RunSummary {
   std::optional<double> span_s;  // from the first to the last entry of the stream; none: it holds nothing
   std::string ended_utc;         // RunReader::ended_utc()
   std::optional<record::RunEnd> end;
-  std::vector<DwellView> dwells;            // those that have ended
+  std::vector<DwellView> dwells;            // those that have ended, and one that went on when the record stopped
   std::vector<record::StoredModel> models;  // estimates from transients and verifications, by position
   std::vector<record::StoredEvent> events;
   std::vector<record::PersonalSignature> signatures;

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "daemon/ctl/run_summary.hpp"
+#include "daemon/handon/selection.hpp"
 #include "daemon/record/folded_events.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/line.hpp"
@@ -48,9 +49,7 @@ std::string begun_text(const record::RunHeader& header) {
 std::string origin_text(const record::Origin& origin) {
   std::string text = "on " + origin.host;
   if (!origin.time_zone.empty()) text += " (" + origin.time_zone + ")";
-  if (!std::isfinite(origin.clock_error_s)) return text + ", the clock's state is not known";
-  if (!origin.clock_synchronized) return text + ", clock not synchronized";
-  return text + ", clock synchronized within " + seconds_text(origin.clock_error_s, 6);
+  return text + ", clock " + handon::clock_text(origin);
 }
 
 std::string stream_text(const RunSummary& run) {
@@ -111,7 +110,14 @@ void append_wrapped(Section& to, const std::string& text, std::size_t columns) {
 Section dwell_section(const DwellView& view, std::size_t columns) {
   const Dwell& dwell = view.dwell;
   Section section;
-  append_wrapped(section, headline(view), columns);
+  append_wrapped(section,
+                 headline(view) + (dwell.state == State::complete ? "" : "; it went on when the record stopped"),
+                 columns);
+  if (dwell.elements.empty() && dwell.state == State::complete)
+    append_wrapped(
+        section,
+        "no coefficients: " + (dwell.settling_reason.empty() ? "the dwell did not settle" : dwell.settling_reason),
+        columns);
   for (const Doubt& doubt : dwell.doubts) append_wrapped(section, doubt_text(doubt), columns);
   if (std::isfinite(dwell.frequency_hz.value))
     append(section, "frequency", join(number_text(dwell.frequency_hz.value, kNormal95 * dwell.frequency_hz.u, "Hz")),
@@ -230,7 +236,7 @@ std::string summary_page(const RunSummary& run, std::size_t columns) {
     dwells.push_back(&view.dwell);
   }
   Section notes;
-  if (run.dwells.empty()) notes.body.push_back({"no dwell has ended in this run", Style::plain});
+  if (run.dwells.empty()) notes.body.push_back({"no dwell in this run", Style::plain});
   for (const std::string& text : legend_of(dwells)) append_wrapped(notes, text, columns);
   sections.push_back(std::move(notes));
   sections.push_back(model_section(run, columns));

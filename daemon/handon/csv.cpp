@@ -26,7 +26,8 @@ std::string channel_comment(const Channel& channel) {
 std::string preamble(const Selection& selection, const Provenance& provenance) {
   const record::RunHeader& run = selection.header();
   std::string text = comment("run " + std::to_string(run.run) + (run.label.empty() ? "" : ", " + run.label) + "; rig " +
-                             selection.rig().name + "; begun " + run.start_utc + " on " + run.origin.host);
+                             selection.rig().name + "; begun " + run.start_utc + " on " + run.origin.host + ", clock " +
+                             clock_text(run.origin));
   text += comment("id " + run.id + "; head " + provenance.head + "; audit: " + provenance.audit);
   text += comment("made by " + provenance.program + ", " + provenance.made_utc);
   text += comment("t: s on the run's axis, exact to 1 ns. value: the device's own number.");

@@ -45,7 +45,7 @@ void describe(const Hdf5Id& group, const Channel& c, Motion motion) {
   hdf5_attribute(group, "si_per_unit", c.si_per_unit);
   hdf5_attribute(group, "scale", c.scale);
   hdf5_attribute(group, "offset", c.offset);
-  hdf5_attribute(group, "scale_u", c.scale_u);
+  if (c.stated.scale_u) hdf5_attribute(group, "scale_u", c.scale_u);  // absent: not stated, which is not 0
   hdf5_attribute(group, "delay_s", c.delay_s);
   hdf5_attribute(group, "measures", std::string(config::to_string(c.measures)));
   hdf5_attribute(group, "at", place_text(c.at));
@@ -70,6 +70,7 @@ void describe(const Hdf5Id& file, const Selection& selection, const Provenance& 
   text("operator", run.person ? run.person->name : std::string());
   text("start_utc", run.start_utc);
   text("time_zone", run.origin.time_zone);
+  text("clock", clock_text(run.origin));
   text("host", run.origin.host);
   text("recorded_with", run.origin.version);
   text("ended", selection.end() ? selection.end()->why : std::string());
@@ -164,8 +165,9 @@ class TextRows {
 Result<void> write_texts(const Hdf5Id& file, Selection& selection) {
   hdf5_text(file, "rig_file", selection.header().rig.text);
   TextRows results(file, "results"), events(file, "events");
-  auto done = selection.reader().results(true, [&](const record::StoredResult& result) {
+  auto done = selection.reader().dwells([&](const record::StoredResult& result) {
     const auto view = parse_dwell(result.dwell);
+    if (!result.final && !(view && view->dwell.index)) return true;  // between two dwells
     if (!view || selection.overlaps(view->dwell.start_s, view->dwell.end_s)) results.add(result.dwell);
     return true;
   });

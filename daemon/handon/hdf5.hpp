@@ -9,7 +9,7 @@
 //   /channels/NAME/raw     float64, the device's own number
 //   /channels/NAME/t_half_ns  uint32, ns: the true instant lies within t_ns ± t_half_ns
 //   /channels/NAME/flags   uint8: 1 samples were lost before this one, 2 the stamp was replaced by the host's
-//   /results               JSON texts, one a row: the final results of the dwells that overlap the stretch
+//   /results               JSON texts, one a row: of the dwells that overlap the stretch (RunReader::dwells)
 //   /events                JSON texts, one a row: all events of the run, whatever the stretch
 //
 // Datasets are chunked and compressed (shuffle, deflate), which every HDF5 library reads.

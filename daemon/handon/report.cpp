@@ -73,6 +73,7 @@ svg text.over { paint-order: stroke; stroke: #fff; stroke-width: 3px; stroke-lin
 )";
 
 const char* state_class(const record::Audit& audit) {
+  if (!audit.broken_ledger.empty()) return "tampered";
   switch (audit.state) {
     case record::AuditState::intact:
       return audit.trusted ? "intact" : "open";

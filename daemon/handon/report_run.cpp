@@ -17,12 +17,6 @@ namespace {
 
 Markup hash(const std::string& text) { return Markup::made(text.empty() ? "" : "<code>" + escaped(text) + "</code>"); }
 
-std::string clock_text(const record::Origin& origin) {
-  if (!std::isfinite(origin.clock_error_s)) return "not known: the kernel could not be asked";
-  const std::string state = origin.clock_synchronized ? "synchronized" : "not synchronized";
-  return state + "; off by at most " + join(number_text(origin.clock_error_s, "s", 3)) + ", as the kernel reckons";
-}
-
 std::string frequency_text(const Excitation& e) {
   std::string text = axis_number(e.frequency_hz) + " Hz nominal, searched from " + axis_number(e.search_low_hz) +
                      " to " + axis_number(e.search_high_hz) + " Hz; reference ";

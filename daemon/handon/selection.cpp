@@ -130,7 +130,15 @@ bool Selection::overlaps(double start_s, double end_s) const noexcept {
   return to_ns_ == INT64_MAX || !(start_s > axis_s(to_ns_));
 }
 
-std::string audit_line(const record::Audit& audit) {
+std::string clock_text(const record::Origin& origin) {
+  if (!std::isfinite(origin.clock_error_s)) return "in an unknown state";
+  if (!origin.clock_synchronized) return "not synchronized";
+  return "synchronized within " + seconds_text(origin.clock_error_s, 6);
+}
+
+namespace {
+
+std::string file_line(const record::Audit& audit) {
   std::string line;
   switch (audit.state) {
     case record::AuditState::intact:
@@ -144,6 +152,13 @@ std::string audit_line(const record::Audit& audit) {
       return "tampered: " + audit.where;
   }
   return line + ", " + key_verdict(audit);
+}
+
+}  // namespace
+
+std::string audit_line(const record::Audit& audit) {
+  if (audit.broken_ledger.empty()) return file_line(audit);
+  return file_line(audit) + "; compared with no ledger, since the one asked for is broken: " + audit.broken_ledger;
 }
 
 std::string place_text(int at) {

@@ -76,6 +76,9 @@ struct Provenance {
   std::string audit;     // one line: "intact, key 1a2b … not trusted"; "not audited"
 };
 
+// Of the computer that recorded: "synchronized within 0.02 s", "not synchronized", "in an unknown state".
+[[nodiscard]] std::string clock_text(const record::Origin& origin);
+
 // The audit in one line, as the exports carry it.
 [[nodiscard]] std::string audit_line(const record::Audit& audit);
 

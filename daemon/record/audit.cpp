@@ -338,6 +338,7 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
       // The newest signature alone does not tell where the first thing is that does not hold.
       every_signature = true;
     } else {
+      if (ledger) audit->broken_ledger = ledger->broken;
       audit->skipped_anchor_lines = anchors->skipped;
       return audit;
     }

@@ -43,6 +43,7 @@ struct Audit {
   bool trusted = false;    // a pinned key, or one that the ledger connects with a pinned key
   bool of_ledger = false;  // the ledger knows the key; without a pinned key this proves nothing
   std::vector<AuditedSignature> signatures;
+  std::string broken_ledger;  // why the ledger asked for does not verify: nothing was compared with it; empty: it does
   std::size_t skipped_anchor_lines = 0;  // Anchors::skipped
 };
 

@@ -175,7 +175,7 @@ struct ChainWriter::Impl {
   [[nodiscard]] Result<void> in_its_place() const {
     struct stat now {};
     if (::stat(path.c_str(), &now) != 0)
-      return errno == ENOENT ? fails(path + ": was removed while it was written") : Result<void>();
+      return errno == ENOENT ? fails(path + ": the file was removed while it was written") : Result<void>();
     if (now.st_dev == device && now.st_ino == inode) return {};
     return fails(path + ": was replaced while it was written");
   }

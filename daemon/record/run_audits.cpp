@@ -39,6 +39,11 @@ class KnownLedger {
     options.checked = checked_;
     return {};
   }
+  // True once: the key had signed nothing when verdicts were given, and has now.
+  bool has_begun_to_sign(AuditOptions options, const std::string& path, const PublicKey& key) {
+    if (!announced_ || identity_of(path) == identity_) return false;
+    return give(options, path, key) && !announced_;
+  }
 
  private:
   std::shared_ptr<const CheckedLedger> checked_;
@@ -124,6 +129,9 @@ struct RunAudits::Shared {
     for (auto run = runs.rbegin(); run != runs.rend() && files.size() < kAudited; ++run)
       if (run->state != "recording" && run->state != "ending") files.push_back(run->file);
     keep_only(files);
+    AuditOptions options;
+    options.stop = stopping;
+    if (ledger.has_begun_to_sign(options, ledger_in(directory), key)) known.clear();
     for (const std::string& file : files) {
       const std::string path = directory + "/" + file;
       const FileIdentity identity = identity_of(path);
@@ -133,8 +141,6 @@ struct RunAudits::Shared {
         continue;
       }
       if (const auto before = known.find(file); before != known.end() && before->second == identity) continue;
-      AuditOptions options;
-      options.stop = stopping;
       RunVerdict verdict;
       if (auto given = ledger.give(options, ledger_in(directory), key); given)
         verdict = verdict_on(path, options);

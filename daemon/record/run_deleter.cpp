@@ -13,10 +13,11 @@
 namespace dwell::record {
 namespace {
 
-// Rounded up.
+// Rounded up, to a tenth of a megabyte from one on.
 std::string size_text(std::uint64_t bytes) {
-  return bytes < 1'000'000 ? std::to_string((bytes + 999) / 1000) + " kB"
-                           : std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+  if (bytes < 1'000'000) return std::to_string((bytes + 999) / 1000) + " kB";
+  const std::uint64_t tenths = (bytes + 99'999) / 100'000;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " MB";
 }
 
 }  // namespace

@@ -353,7 +353,8 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why) {
   const auto ended = store_.end(batch);
   const RunProgress run = *std::exchange(run_, std::nullopt);
   const std::string text = named(run) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
-                           std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";
+                           std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) +
+                           (run.dwells == 1 ? " dwell" : " dwells");
   if (ended) return options_.tell({Notice::Grade::info, text, run.header.run, {}});
   options_.tell({Notice::Grade::error, text + "; its end could not be recorded: " + ended.error(), run.header.run, {}});
 }

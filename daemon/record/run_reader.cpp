@@ -22,6 +22,11 @@ constexpr std::size_t kMostSignatures = 1000;
 // Decoded blocks that wait or are being decoded, beside the one in use; each may take 34 MB, as may one that was used.
 constexpr std::size_t kBlocksAhead = 1;
 
+// Of a result in the form that dwelld writes, without parsing it: most results are not final. false: it must be parsed.
+bool is_written_as_not_final(std::string_view body) {
+  return body.substr(0, body.find("\"dwell\"")).find("\"final\":false") != std::string_view::npos;
+}
+
 }  // namespace
 
 struct RunReader::Impl {
@@ -243,13 +248,30 @@ Result<void> RunReader::blocks_from(std::int64_t t_ns, const TakeBlock& take) {
 
 Result<void> RunReader::results(bool finals, const std::function<bool(const StoredResult&)>& take) {
   return impl_->each(1, "result", [&](const Entry& entry) -> Result<bool> {
-    // The form that dwelld writes. Most results are not final: they are left out without parsing.
-    const std::string_view front = std::string_view(entry.body).substr(0, entry.body.find("\"dwell\""));
-    if (finals && front.find("\"final\":false") != std::string_view::npos) return true;
+    if (finals && is_written_as_not_final(entry.body)) return true;
     const auto result = parse_result(entry.body);
     if (!result) return tl::unexpected(result.error());
     return (finals && !result->final) || take(*result);
   });
+}
+
+Result<void> RunReader::dwells(const std::function<bool(const StoredResult&)>& take) {
+  std::string newest;  // the body of a result that is not final, after the last final one
+  bool more = true;
+  const auto read = impl_->each(1, "result", [&](const Entry& entry) -> Result<bool> {
+    newest = entry.body;
+    if (is_written_as_not_final(entry.body)) return true;
+    const auto result = parse_result(entry.body);
+    if (!result) return tl::unexpected(result.error());
+    if (!result->final) return true;
+    newest.clear();
+    return more = take(*result);
+  });
+  if (!read || !more || newest.empty()) return read;
+  const auto result = parse_result(newest);
+  if (!result) return tl::unexpected(result.error());
+  (void)take(*result);
+  return {};
 }
 
 Result<void> RunReader::events(const std::function<bool(const StoredEvent&)>& take) {

@@ -58,6 +58,9 @@ class RunReader {
   }
   // finals: only the final results of dwells.
   [[nodiscard]] Result<void> results(bool finals, const std::function<bool(const StoredResult&)>& take);
+  // The final result of each dwell; then the newest result of the dwell that went on when the record stopped: in a run
+  // that is still recorded, was cut off, or was ended by a full disk.
+  [[nodiscard]] Result<void> dwells(const std::function<bool(const StoredResult&)>& take);
   [[nodiscard]] Result<void> events(const std::function<bool(const StoredEvent&)>& take);
   // Estimates from transients, then verifications; each in the order in which they were published.
   [[nodiscard]] Result<void> models(const std::function<bool(const StoredModel&)>& take);

@@ -63,7 +63,8 @@ Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {
     if (!run) return fails(std::move(run.error()));
     if (*run) return std::move(**run);
     if (!busy || tries == kMostForEnd || !busy(tries))
-      return fails(path + ": the run has not ended; only a closed run can be signed");
+      return fails(path +
+                   ": the run has no end: it is still recorded or was cut off; only a run with an end can be signed");
   }
 }
 

@@ -35,6 +35,24 @@ TEST_F(RunFileVerbs, ARecordingAsTextNeedsItsRigFile) {
   EXPECT_NE(seen.err.find("--rig"), std::string::npos) << seen.err;
 }
 
+TEST_F(RunFileVerbs, ADwellThatWentOnWhenTheRunWasCutOffIsShownAsItWas) {
+  StreamBuilder stream(bench(), {.frequency_hz = bench().frequency_hz, .amplitude = 3e-3}, 5);
+  stream.add(Kind::run, 0, static_cast<std::uint8_t>(RunEdge::begins));
+  stream.run_to(9.0);
+  test::Changes changes;
+  changes.without_end = true;
+  const std::string file = folder.path("cut.dwell");
+  written = test::write_run(file, bench().rig_text(), stream.cut_off(), changes);
+  ASSERT_EQ(written.finals, 0);
+  const Printed page = printed([&] { return show_run(file, false); });
+  EXPECT_NE(page.out.find("dwell 1 · measuring, "), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("of data; it went on when the record stopped"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find(" kN/m"), std::string::npos) << page.out;
+  const Printed json = printed([&] { return show_run(file, true); });
+  ASSERT_EQ(json.json()["dwells"].size(), 1u);
+  EXPECT_EQ(json.json()["dwells"][0]["state"], "measuring");
+}
+
 // Its number of format alone differs, and this program cannot read what a newer format holds.
 TEST_F(RunFileVerbs, AFileOfANewerFormatCannotBeAudited) {
   constexpr std::size_t kVersion = 63;  // the lowest byte of user_version in SQLite's header

@@ -178,7 +178,7 @@ TEST_F(SignVerbs, WhatHasNotEndedIsNotSigned) {
   const std::string before = test::contents(run.path);
   const Outcome outcome = test::run({"sign", run.path, "--meaning", "reviewed", "--name", "A", "--key", own});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_TRUE(holds(outcome.err, "ended")) << outcome.err;
+  EXPECT_TRUE(holds(outcome.err, "the run has no end")) << outcome.err;
   EXPECT_EQ(test::contents(run.path), before);
 }
 

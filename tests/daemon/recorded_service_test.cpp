@@ -184,7 +184,7 @@ TEST(StartOfARun, IsAnsweredOnceItIsKnownWhetherItIsRecorded) {
   ASSERT_TRUE(refused["error"].is_string()) << refused;
   const std::string why = refused["error"];
   EXPECT_EQ(why.find("the run was asked for and is not recorded: "), 0u) << why;
-  EXPECT_NE(why.find("next-2.new: was removed while it was written"), std::string::npos) << why;
+  EXPECT_NE(why.find("next-2.new: the file was removed while it was written"), std::string::npos) << why;
   (*service)->stop();
   thread.join();
 }

@@ -71,6 +71,24 @@ TEST_F(HandonCommand, ExportsInEachFormatAndSaysWhatWasWritten) {
   EXPECT_NE(page.out.find("out.html: the file is intact"), std::string::npos) << page.out;
 }
 
+TEST_F(HandonCommand, AReportThatWasComparedWithNoLedgerSaysSo) {
+  scratch_.write("old.dwell-ledger", std::string(4096, 'x'));
+  const Said page = say("report run.dwell -o out.html --ledger old.dwell-ledger");
+  EXPECT_EQ(page.code, 1) << page.err;
+  const std::string why = "compared with no ledger, since the one asked for is broken: ";
+  EXPECT_NE(page.out.find(why), std::string::npos) << page.out;
+  EXPECT_NE(record::Scratch::read(scratch_.path("out.html")).find(why), std::string::npos);
+}
+
+TEST_F(HandonCommand, AnExportWithoutReadingsIsExitCode1) {
+  for (const char* format : {"csv", "hdf5", "uff"}) {
+    const Said said =
+        say(std::string("export run.dwell --overwrite -o out --from 1.0021 --to 1.0029 --format ") + format);
+    EXPECT_EQ(said.code, 1) << format << said.out;
+    EXPECT_NE(said.err.find("out: holds no readings"), std::string::npos) << said.err;
+  }
+}
+
 TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
   tamper();
   const Said refused = say("export run.dwell --format csv -o out.csv");

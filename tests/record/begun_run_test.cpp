@@ -333,7 +333,7 @@ TEST(ALedgerThatRefusesTheBeginningOfARun, EndsTheRecordingAndGetsItsEntriesWhen
     ASSERT_EQ(begin_without_ledger(folder, ledger, away), "");
     RunHeader header = rig_header();
     header.start_utc = "2026-11-23T00:00:01Z";
-    const std::string why = ledger + ": was removed while it was written";
+    const std::string why = ledger + ": the file was removed while it was written";
     EXPECT_EQ(folder.write(one_event()).error(), why);
     EXPECT_TRUE(folder.end(the_end())) << "the file is closed";
     folder.settle();

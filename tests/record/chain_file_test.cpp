@@ -67,7 +67,7 @@ TEST(ChainFile, ACommitFailsOnceTheFileWasRemoved) {
   ASSERT_TRUE(writer->append("note", 6, "{}"));
   const Result<void> committed = writer->commit();
   ASSERT_FALSE(committed);
-  EXPECT_EQ(committed.error(), path + ": was removed while it was written");
+  EXPECT_EQ(committed.error(), path + ": the file was removed while it was written");
 }
 
 TEST(ChainFile, WhatWasCommittedIsReadBackWithHeadsAndNotes) {

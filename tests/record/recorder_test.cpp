@@ -132,7 +132,7 @@ TEST_F(RecorderTest, TellsWhatCameOfAnOperatorsStart) {
   stream.begins(7);
   ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).newest_start == 7; }));
   EXPECT_FALSE(recorder.state(raw_now_ns()).recording);
-  EXPECT_NE(recorder.obstacle().why.find("was removed while it was written"), std::string::npos)
+  EXPECT_NE(recorder.obstacle().why.find("the file was removed while it was written"), std::string::npos)
       << recorder.obstacle().why;
 }
 

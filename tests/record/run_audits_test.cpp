@@ -80,6 +80,25 @@ TEST_F(RunAuditsTest, AKeyThatHasSignedNothingYetMakesNoEarlierRunTampered) {
   EXPECT_FALSE(of("b.dwell")->trusted);
 }
 
+TEST_F(RunAuditsTest, OnceANewKeyHasSignedTheRunsBeforeItAreTrusted) {
+  ASSERT_TRUE(ledger.key_changes(sample_other().public_key()));
+  service_key = sample_other().public_key();
+  turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
+  EXPECT_FALSE(of("b.dwell")->trusted);
+  {
+    Ledger later = *Ledger::open(scratch.path(), sample_other());
+    RunHeader header = sample_header(4, sample_other());
+    header.previous_head = later.newest_head();
+    ASSERT_TRUE(later.run_begins(header, "d.dwell"));
+    write_sample(scratch.path("d.dwell"), {.seed = 4, .header = header}, sample_other());
+  }
+  auto listed_now = *runs;
+  listed_now.push_back(listed(4, "d.dwell", "recording"));
+  runs = std::make_shared<ListedRuns>(listed_now);
+  turn_until(1.0, [&] { return of("a.dwell")->trusted; });
+  EXPECT_TRUE(of("b.dwell")->trusted);
+}
+
 TEST_F(RunAuditsTest, ReadsAFileAgainOnlyWhereItHasChanged) {
   turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
   const std::string first = of("b.dwell")->utc;

@@ -41,7 +41,8 @@ TEST(Signature, RightAfterTheEndWaitsUntilTheServiceHasClosedTheRun) {
     };
     const auto too_early = sign([](int tries) { return tries < 3; });
     ASSERT_FALSE(too_early);
-    EXPECT_EQ(too_early.error(), path + ": the run has not ended; only a closed run can be signed");
+    EXPECT_EQ(too_early.error(),
+              path + ": the run has no end: it is still recorded or was cut off; only a run with an end can be signed");
     int waits = 0;
     bool ended = false;
     const auto given_up = sign([&](int tries) {
