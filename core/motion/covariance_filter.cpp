@@ -50,6 +50,7 @@ void CovarianceFilter::take(int c, KalmanGain& out) {
   const double variance = variance_[static_cast<std::size_t>(c)];
   g_.noalias() = P_.lazyProduct(C.transpose());
   out.S = C.transpose().dot(g_) + variance;
+  out.noise = variance;
   out.K = g_ / out.S;
   if (derivatives_) take_derivatives(c, g_, out);
   // M P M' + K σ² K' with M P M' = P - K g' - g K' + K (C g) K'.

@@ -170,6 +170,7 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
   Pass out;
   out.chi2.assign(channels, 0.0);
   out.count.assign(channels, 0.0);
+  out.unforeseen.assign(channels, 0.0);
   if (options.keep_innovations) out.innovations.resize(channels);
   std::int64_t now_ns = data.readings.empty() ? 0 : data.readings.front().t_ns;
   const auto block_ns = static_cast<std::int64_t>(options.block_s * 1e9);
@@ -198,6 +199,7 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
     out.V += 0.5 * (std::log(S) + part);
     out.chi2[c] += part;
     out.count[c] += 1.0;
+    out.unforeseen[c] += 1.0 - due.gain->noise / S;
     if (options.keep_innovations) out.innovations[c].push_back({reading.t_ns, e / std::sqrt(S)});
     if (options.derivatives) {
       if (block_ns > 0 && reading.t_ns >= block_end_ns) {
@@ -209,7 +211,10 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
     means.take(*due.gain);
   }
   for (std::size_t c = 0; c < channels; ++c)
-    if (out.count[c] > 0) out.chi2[c] /= out.count[c];
+    if (out.count[c] > 0) {
+      out.chi2[c] /= out.count[c];
+      out.unforeseen[c] /= out.count[c];
+    }
   if (options.derivatives) sums.finish(out);
   if (options.keep_innovations) deformations.finish(out);
   return out;

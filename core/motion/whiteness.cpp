@@ -1,5 +1,6 @@
 #include "core/motion/whiteness.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dwell {
@@ -17,6 +18,7 @@ Whiteness whiteness_of(const std::vector<MotionInnovation>& innovations) {
     const double rho2 = sum * sum / (power * power);
     statistic += rho2 / (count - static_cast<double>(lag));
     out.squares += count * rho2;
+    out.largest = std::max(out.largest, std::sqrt(rho2));
   }
   out.ljung_box = statistic * count * (count + 2);
   // χ² of an even number of degrees of freedom, in closed form.

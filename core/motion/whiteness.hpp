@@ -24,6 +24,7 @@ struct Whiteness {
   double p =
       std::numeric_limits<double>::quiet_NaN();  // chance that white ones give as much: χ², 10 degrees of freedom
   double squares = 0.0;                          // N Σ ρ_l²: the part of Σ e²/S that the lags explain
+  double largest = 0.0;                          // of |ρ_l|
 };
 [[nodiscard]] Whiteness whiteness_of(const std::vector<MotionInnovation>& innovations);
 

@@ -315,6 +315,62 @@ TEST(MotionEstimate, ConvictsNoChainOfATableThatMovesOtherwise) {
   }
 }
 
+// Of each four readings of the table the last three are as old as the first, noise apart: a register that is refreshed
+// less often than it is read. In a steady motion no channel but the table's own shows it.
+TEST(MotionEstimate, SaysThatTheTablesReadingsErrInAPattern) {
+  std::mt19937_64 rng(16);
+  std::normal_distribution<double> normal;
+  const Drive drive{4.0, 0.005, 0.0, 0.0};
+  for (int draw = 0; draw < 4; ++draw) {
+    const Chain chain = random_chain(rng, 1 + draw % 2, draw % 4 < 2 ? Boundary::free : Boundary::clamped, 4.0);
+    const Rig rig = rig_of(chain, 4.0);
+    const std::vector<double> noise = part_of_steady(rig, chain, drive, 0.002);
+    DrivenChain steady(chain, drive, DrivenChain::Start::steady);
+    const MotionData sound = readings_of(rig, steady, 0.0, 4.0, 200.0, noise, rng());
+    MotionData held = sound;
+    double first = 0.0;
+    int n = 0;
+    for (MotionReading& reading : held.readings) {
+      if (reading.channel != 0) continue;
+      if (n++ % 4 == 0)
+        first = reading.value;
+      else
+        reading.value = first + noise[0] * normal(rng);
+    }
+    const auto told = [](const MotionEstimate& found) {
+      return std::any_of(found.warnings.begin(), found.warnings.end(), [](const std::string& warning) {
+        return warning.find("the readings of y0 err in a pattern") == 0;
+      });
+    };
+    const MotionEstimate right = estimate_motion(rig, sound), wrong = estimate_motion(rig, held);
+    EXPECT_FALSE(told(right)) << draw;
+    EXPECT_TRUE(told(wrong)) << draw << " " << wrong.reason;
+    for (std::size_t e = 0; e < wrong.elements.size(); ++e) {
+      const ElementEstimate& element = wrong.elements[e];
+      if (!element.identifiable) continue;
+      EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[e]), 4 * element.stiffness.u) << draw << " c " << e;
+      EXPECT_LT(std::abs(element.damping.value - chain.damping[e]), 4 * element.damping.u) << draw << " r " << e;
+    }
+  }
+}
+
+// Rounding is no pattern of the device: it errs by half a step at most.
+TEST(MotionEstimate, TakesCoarseRoundingForNoFaultOfTheTablesReadings) {
+  const Chain chain{Boundary::free, {2.0}, {6000.0}, {12.0}};
+  const Rig rig = rig_of(chain, 4.0);
+  const Drive drive{4.0, 0.005, 0.0, 0.0};
+  const std::vector<double> noise = part_of_steady(rig, chain, drive, 3e-4),
+                            step = part_of_steady(rig, chain, drive, 0.01);
+  DrivenChain steady(chain, drive, DrivenChain::Start::steady);
+  MotionData data = readings_of(rig, steady, 0.0, 4.0, 500.0, noise, 5);
+  for (MotionReading& reading : data.readings) {
+    const double q = step[static_cast<std::size_t>(reading.channel)];
+    reading.value = std::round(reading.value / q) * q;
+  }
+  for (const std::string& warning : estimate_motion(rig, data).warnings)
+    EXPECT_EQ(warning.find("the readings of y0"), std::string::npos) << warning;
+}
+
 TEST(MotionEstimate, ComesToAnEndWhateverTheSizeOfTheReadings) {
   const Chain chain = clamped_chain();
   const Rig rig = rig_of(chain, 4.0);
