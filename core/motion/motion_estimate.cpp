@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/angle.hpp"
-#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
@@ -16,6 +15,7 @@
 #include "core/motion/missing_terms.hpp"
 #include "core/motion/missing_wording.hpp"
 #include "core/motion/motion_course.hpp"
+#include "core/motion/pattern_in_noise.hpp"
 #include "core/motion/told_inverse.hpp"
 #include "core/motion/whiteness.hpp"
 #include "core/rig/transducer.hpp"
@@ -81,12 +81,7 @@ class Report {
       const Whiteness whiteness = whiteness_of(given_table_[c].empty() ? pass_.innovations[c] : given_table_[c]);
       channel.whiteness_p = whiteness.p;
       if (!shows_drive(rig_.channels[c]) && whiteness.p < kContradicted) strange_ += whiteness.squares;
-      if (shows_drive(rig_.channels[c]))
-        if (const double pattern = pattern_in_noise(c, channel.u_noise, whiteness);
-            pattern > 0.0 && pattern > 0.5 * rounding_step(c)) {  // rounding errs by half a step at most
-          pattern_ += whiteness.squares;
-          out.warnings.push_back(words_of_pattern(c, pattern));
-        }
+      if (shows_drive(rig_.channels[c])) look_for_pattern(c, channel.u_noise, whiteness, out);
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
@@ -101,33 +96,11 @@ class Report {
     }
   }
 
-  // The least rms of what is noise by the fit and cannot be noise, in a channel of the table; 0: there is none. Of the
-  // innovations' variance a part ε is motion that could not be foreseen, the rest noise of the readings. Whatever that
-  // motion is, it correlates them by no more than ε + 2 √(ε (1 - ε)) (Cauchy and Schwarz). So a table that moves
-  // otherwise than its process is excused: its ε is large. The covariance of a pattern is at most its variance.
-  [[nodiscard]] double pattern_in_noise(std::size_t c, double u_noise, const Whiteness& whiteness) const {
-    const double part = std::clamp(pass_.unforeseen[c], 0.0, 1.0);
-    const double by_motion = part + 2 * std::sqrt(part * (1 - part));
-    const bool is_noise =
-        !(whiteness.p < kContradicted) || whiteness.largest <= by_motion + sigmas::kSure / std::sqrt(pass_.count[c]);
-    return is_noise ? 0.0 : std::sqrt(whiteness.largest) * u_noise;
-  }
-  // The least difference of two readings of the channel, one after the other, that differ; 0: none do.
-  [[nodiscard]] double rounding_step(std::size_t c) const {
-    double least = INFINITY, before = kNaN;
-    for (const MotionReading& reading : course_.data.readings) {
-      if (reading.channel != static_cast<int>(c)) continue;
-      if (const double apart = std::abs(reading.value - before); apart > 0) least = std::min(least, apart);
-      before = reading.value;
-    }
-    return std::isfinite(least) ? least : 0.0;
-  }
-  [[nodiscard]] std::string words_of_pattern(std::size_t c, double at_least) const {
-    return "the readings of " + rig_.channels[c].name + " err in a pattern, by " + percent(at_least / course_.size[c]) +
-           " of its motion or more: it is no noise, and by the other channels the table does not move so. Hum, a "
-           "register "
-           "that is refreshed at another rate than it is read, instants that are not those of the readings, or a "
-           "transducer that distorts would do so. Coefficients of element 1 may be off by more than their ±";
+  void look_for_pattern(std::size_t c, double u_noise, const Whiteness& whiteness, MotionEstimate& out) {
+    const double pattern = pattern_in_noise(pass_, c, u_noise, whiteness);
+    if (!(pattern > 0.0) || pattern <= error_of_rounding(course_.data, static_cast<int>(c))) return;
+    pattern_ += whiteness.squares;
+    out.warnings.push_back(words_of_pattern(rig_.channels[c], pattern / course_.size[c]));
   }
 
   // Covariance of the coefficients with what is stated taken as exact, and what each stated one adds.
@@ -337,7 +310,7 @@ class Report {
   Pass pass_;
   double strange_ = 0.0;         // Whiteness::squares of the chain's channels that are not white, beyond chance
   double noise_may_hide_ = 0.0;  // the same, where the chain is not to blame
-  double pattern_ = 0.0;         // the same, of the table's channels whose noise has a pattern
+  double pattern_ = 0.0;         // the same, of the table's channels whose readings err in a pattern
   std::vector<std::vector<MotionInnovation>> given_table_;
   MatrixXd noise_, covariance_;     // of (c_1, r_1, …): the part of noise; all of it
   VectorXd moves_;                  // of (c, r) by the term that is missing; empty: none is
