@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "daemon/record/ledger_check.hpp"
 #include "tests/record/audited.hpp"
@@ -85,8 +86,11 @@ TEST_F(RunAuditsTest, OnceANewKeyHasSignedTheRunsBeforeItAreTrusted) {
   service_key = sample_other().public_key();
   turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
   EXPECT_FALSE(of("b.dwell")->trusted);
+  { const Ledger closed = std::move(ledger); }
   {
-    Ledger later = *Ledger::open(scratch.path(), sample_other());
+    Result<Ledger> opened = Ledger::open(scratch.path(), sample_other());
+    ASSERT_TRUE(opened) << opened.error();
+    Ledger& later = *opened;
     RunHeader header = sample_header(4, sample_other());
     header.previous_head = later.newest_head();
     ASSERT_TRUE(later.run_begins(header, "d.dwell"));
