@@ -76,13 +76,13 @@ test('an alarm of another day has its date', () => {
 test('why an order was not done is always told: a refusal without words is told by its status', async (t) => {
   const answers = (status, body) => t.mock.method(globalThis, 'fetch', async () => new Response(body, { status }));
   answers(403, '{"error": "no right to change"}');
-  assert.equal(await give('/api/v1/stop', {}), 'no right to change');
+  assert.deepEqual(await give('/api/v1/stop', {}), { error: 'no right to change' });
   answers(502, '{}');
-  assert.equal(await give('/api/v1/stop', {}), 'status 502');
+  assert.deepEqual(await give('/api/v1/stop', {}), { error: 'status 502' });
   answers(502, '<html>');
   assert.equal(await give('/api/v1/stop', {}), null, 'not the service: whether it was done is not known');
-  answers(200, '{}');
-  assert.equal(await give('/api/v1/stop', {}), '');
+  answers(200, '{"done": true, "recording": null}');
+  assert.deepEqual(await give('/api/v1/start', {}), { done: true, recording: null });
 });
 
 test('that it was done is said for 10 s, why it was not until the next attempt', () => {
