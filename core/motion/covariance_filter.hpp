@@ -19,7 +19,7 @@ namespace dwell {
 // What one reading does. p parameters, m states.
 struct KalmanGain {
   double S = 0.0;      // variance of the innovation
-  double noise = 0.0;  // of it that of the reading, σ²
+  double noise = 0.0;  // σ²: the variance of the reading's own noise, a part of S
   Eigen::VectorXd K;   // m
   Eigen::VectorXd dS;  // p
   Eigen::MatrixXd dK;  // m × p

@@ -76,7 +76,7 @@ struct Pass {
   int blocks = 0;
   std::vector<double> chi2;        // per channel: mean of e²/S
   std::vector<double> count;       // per channel: readings that count
-  std::vector<double> unforeseen;  // per channel: mean of 1 - σ²/S, the part of S that is motion
+  std::vector<double> unforeseen;  // per channel: mean of 1 - σ²/S: the part of S that is motion not foreseen
   std::vector<std::vector<MotionInnovation>> innovations;  // per channel, by time
   Eigen::VectorXd deformation;                             // per element: √2 times the standard deviation, m
   Eigen::VectorXd deformation_u;

@@ -29,10 +29,9 @@ double error_of_rounding(const MotionData& data, int channel) {
 
 std::string words_of_pattern(const Channel& channel, double at_least) {
   return "the readings of " + channel.name + " err in a pattern, by " + percent(at_least) +
-         " of its motion or more: it is no noise, and by the other channels the table does not move so. Hum, a "
-         "register "
-         "that is refreshed at another rate than it is read, instants that are not those of the readings, or a "
-         "transducer that distorts would do so. Coefficients of element 1 may be off by more than their ±";
+         " of its motion or more. It is no noise, and the other channels show that the table does not move so. Hum "
+         "does this, a register that is refreshed at another rate than it is read, wrong instants, or a transducer "
+         "that distorts. The ± here is wider for it; that of the dwell is not";
 }
 
 }  // namespace dwell

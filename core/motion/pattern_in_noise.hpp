@@ -1,9 +1,11 @@
-// Whether what is noise by the fit, in a channel of the table, cannot be noise: the readings err in a pattern.
+// Finds a pattern in the readings of the table's transducer: an error that the fit takes for noise, and that no noise
+// can be.
 //
-// Of the innovations' variance a part ε is motion that could not be foreseen, the rest noise of the readings. Whatever
-// that motion is, it correlates them by no more than ε + 2 √(ε (1 - ε)) (Cauchy and Schwarz). So a table that moves
-// otherwise than its process is excused: its ε is large. A larger correlation is one of errors, and their variance is
-// at least their covariance. Source: docs/method.md, Any motion, What it says about itself.
+// The innovations' variance is noise of the readings, but for a part ε that is motion which could not be foreseen.
+// Whatever that motion is, it correlates the innovations by no more than ε + 2 √(ε (1 - ε)) (Cauchy and Schwarz). A
+// table that moves otherwise than its process has a large ε, and is excused. Where the correlation is larger, the
+// readings err. The variance of that error is at least its covariance. Source: docs/method.md, Any motion, What it says
+// about itself.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +17,16 @@
 
 namespace dwell {
 
-// The least rms of the pattern, in units of u_noise; 0: there is none. innovations: of channel c in `pass`. White ones
-// have one by chance in less than a millionth of all estimates. Pure.
+// The rms of the pattern is at least this, in the unit of u_noise; 0: there is none. u_noise: standard deviation of the
+// channel's noise as fitted. innovations: of channel c in `pass`. White noise alone is taken for a pattern in less than
+// one of a million estimates. Pure.
 [[nodiscard]] double pattern_in_noise(const Pass& pass, std::size_t c, double u_noise, const Whiteness& innovations);
 
-// How far rounding alone can err: half the least difference of two readings of the channel, one after the other, that
-// differ; 0: none do. O(readings).
+// The largest error that rounding makes, SI: half the smallest step from one reading of the channel to the next; 0: its
+// readings are all the same. O(readings). Pure.
 [[nodiscard]] double error_of_rounding(const MotionData& data, int channel);
 
-// at_least: the pattern, as a part of the channel's motion.
+// The warning. at_least: rms of the pattern, relative to the channel's motion. Allocates.
 [[nodiscard]] std::string words_of_pattern(const Channel& channel, double at_least);
 
 }  // namespace dwell

@@ -93,7 +93,7 @@ MotionTimes play_times(const Case& about) {
   double coarse_s = bound_s;
   while (coarse_s <= kGivenUp * bound_s && !known(coarse_s)) coarse_s *= kGrid;
   if (coarse_s > kGivenUp * bound_s) return out;
-  // Between the last that did not know enough and the first that did, in the steps of the bound.
+  // Within the last step of 15 %, in steps of 5 %.
   out.seen_s = coarse_s;
   for (double fine_s = coarse_s / kGrid * kFineGrid; coarse_s > bound_s && fine_s < coarse_s; fine_s *= kFineGrid)
     if (known(fine_s)) {
