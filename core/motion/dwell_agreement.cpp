@@ -6,6 +6,7 @@
 
 #include "core/base/wording.hpp"
 #include "core/motion/missing_wording.hpp"
+#include "core/motion/pattern_in_noise.hpp"
 
 namespace dwell {
 namespace {
@@ -115,17 +116,29 @@ std::optional<Objection> better_explained(const MotionEstimate& motion, const Dw
       !wrong->empty(), *moved};
 }
 
+// The dwell's ± takes what its readings scatter for noise, which averages out. A pattern need not.
+std::optional<Objection> with_patterns(std::optional<Objection> objection, const MotionEstimate& motion) {
+  if (motion.patterns.empty()) return objection;
+  Objection out = objection ? std::move(*objection) : Objection{"any motion", false, {}};
+  const char* before = objection ? "; " : ": ";
+  for (const ReadingsPattern& pattern : motion.patterns)
+    out.what += std::exchange(before, "; ") + words_of_pattern(pattern);
+  out.what += ". The ± of this dwell does not cover it";
+  return out;
+}
+
 }  // namespace
 
 std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion) {
   // A rig file is wrong all the time or never. So any part of the hold may tell of a term that it lacks.
   const bool of_its_hold = dwell.start_s < motion.end_s && motion.start_s < dwell.end_s;
   if (!of_its_hold) return std::nullopt;
-  if (!motion.contradicted) {
-    std::optional<Objection> contradiction = contradiction_of(motion, dwell);
-    return contradiction ? contradiction : better_explained(motion, dwell);
-  }
   const bool of_its_data = dwell.settled_s < motion.end_s;
+  if (!motion.contradicted) {
+    std::optional<Objection> objection = contradiction_of(motion, dwell);
+    if (!objection) objection = better_explained(motion, dwell);
+    return of_its_data && motion.reason.empty() ? with_patterns(std::move(objection), motion) : objection;
+  }
   if (!of_its_data) return std::nullopt;
   const auto moved = moved_elements(motion, dwell, 1.0);
   return Objection{"any motion: " + motion.reason, !moved || !moved->empty(), {}};

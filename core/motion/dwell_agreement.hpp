@@ -33,9 +33,13 @@ namespace dwell {
 //   are the channels for which the dwell's budget has a share "folded harmonics of …";
 // - terms are named that explain the readings better, and one of them would move a coefficient of the dwell beyond its
 //   U95.
+//
+// Where the chain is not refused and the estimate reaches into the dwell's own data, it holds against the dwell, beside
+// these, that readings of the table err in a pattern: the dwell's ± takes the error for noise. How far a coefficient is
+// off cannot be told from it, so by itself it is not grave.
 struct Objection {
   std::string what;           // "any motion: the chain of the rig file does not explain y1; …"
-  bool grave = true;          // false: no term that explains it moves a coefficient so far that it is wrong
+  bool grave = true;          // false: nothing shows that a coefficient is so far off that it is wrong
   std::vector<int> elements;  // k of those concerned, ascending; empty: all
 };
 

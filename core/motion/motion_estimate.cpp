@@ -100,7 +100,9 @@ class Report {
     const double pattern = pattern_in_noise(pass_, c, u_noise, whiteness);
     if (!(pattern > 0.0) || pattern <= error_of_rounding(course_.data, static_cast<int>(c))) return;
     pattern_ += whiteness.squares;
-    out.warnings.push_back(words_of_pattern(rig_.channels[c], pattern / course_.size[c]));
+    out.patterns.push_back({rig_.channels[c].name, pattern / course_.size[c]});
+    out.warnings.push_back(words_of_pattern(out.patterns.back()) +
+                           ". The ± here is wider for it; that of the dwell is not");
   }
 
   // Covariance of the coefficients with what is stated taken as exact, and what each stated one adds.

@@ -27,11 +27,11 @@ double error_of_rounding(const MotionData& data, int channel) {
   return std::isfinite(least) ? 0.5 * least : 0.0;
 }
 
-std::string words_of_pattern(const Channel& channel, double at_least) {
-  return "the readings of " + channel.name + " err in a pattern, by " + percent(at_least) +
+std::string words_of_pattern(const ReadingsPattern& pattern) {
+  return "the readings of " + pattern.channel + " err in a pattern, by " + percent(pattern.at_least) +
          " of its motion or more. It is no noise, and the other channels show that the table does not move so. Hum "
          "does this, a register that is refreshed at another rate than it is read, wrong instants, or a transducer "
-         "that distorts. The ± here is wider for it; that of the dwell is not";
+         "that distorts";
 }
 
 }  // namespace dwell

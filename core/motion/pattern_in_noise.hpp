@@ -13,7 +13,7 @@
 
 #include "core/motion/likelihood.hpp"
 #include "core/motion/whiteness.hpp"
-#include "core/rig/rig.hpp"
+#include "core/result/motion.hpp"
 
 namespace dwell {
 
@@ -26,7 +26,8 @@ namespace dwell {
 // readings are all the same. O(readings). Pure.
 [[nodiscard]] double error_of_rounding(const MotionData& data, int channel);
 
-// The warning. at_least: rms of the pattern, relative to the channel's motion. Allocates.
-[[nodiscard]] std::string words_of_pattern(const Channel& channel, double at_least);
+// The channel, by how much it errs, what shows it and what may cause it: "the readings of y0 err in a pattern, …". What
+// that means for a ± is added by whoever states the ±. The last sentence has no full stop. Thread-safe; allocates.
+[[nodiscard]] std::string words_of_pattern(const ReadingsPattern& pattern);
 
 }  // namespace dwell

@@ -20,6 +20,12 @@ struct MotionChannel {
   double unexplained = kNaN;  // rms explained neither by the model nor by noise between readings; part of channel's rms
 };
 
+// An error in the readings of a transducer of the table that is no noise: core/motion/pattern_in_noise.hpp.
+struct ReadingsPattern {
+  std::string channel;     // its name
+  double at_least = kNaN;  // rms of the error is this or more, relative to the rms of the channel's motion; above 0
+};
+
 // The long part of the search for what the rig file lacks: the chain fitted anew with each thing that may be missing.
 // It is asked for where the readings contradict the chain, or where its fit fails.
 enum class AnewSearch : std::uint8_t { not_asked, put_off, done };
@@ -32,10 +38,11 @@ struct MotionEstimate {
   std::vector<double> covariance;  // of (c, r) of each identifiable element; row-major
   std::vector<double> u_of_noise;  // standard uncertainties of (c, r) of each element by noise alone
   std::vector<MotionChannel> channels;
-  std::size_t readings = 0;            // number of readings that count
-  int passes = 0;                      // of the Kalman filter over the readings
-  std::vector<MissingTerm> missing;    // likeliest first; one is named, and what cannot be told from it
-  std::vector<std::string> unchecked;  // what these readings cannot tell whatever they show
+  std::vector<ReadingsPattern> patterns;  // at most one of each of the table's channels; empty: none was found
+  std::size_t readings = 0;               // number of readings that count
+  int passes = 0;                         // of the Kalman filter over the readings
+  std::vector<MissingTerm> missing;       // likeliest first; one is named, and what cannot be told from it
+  std::vector<std::string> unchecked;     // what these readings cannot tell whatever they show
   AnewSearch anew = AnewSearch::not_asked;
   std::vector<std::string> warnings;
 };

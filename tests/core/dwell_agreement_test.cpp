@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -179,6 +180,51 @@ TEST(ObjectionToADwell, MayNameATermByTheTransientAlone) {
   EXPECT_TRUE(objection_to(before.dwell, before.motion));
   before.motion.end_s = 4.4;
   EXPECT_FALSE(objection_to(before.dwell, before.motion)) << "of another hold";
+}
+
+constexpr const char* kPattern =
+    "the readings of y0 err in a pattern, by 5.5 % of its motion or more. It is no noise, and the other channels show "
+    "that the table does not move so. Hum does this, a register that is refreshed at another rate than it is read, "
+    "wrong instants, or a transducer that distorts. The ± of this dwell does not cover it";
+
+// How far the coefficients are off is not known, so none is doubted.
+TEST(ObjectionToADwell, IsThatReadingsOfTheTableErrInAPatternWhichItsUncertaintyDoesNotCover) {
+  Pair pair = same_data(1000.0, 1000.0);
+  pair.motion.patterns = {{"y0", 0.055}};
+  const auto objection = objection_to(pair.dwell, pair.motion);
+  ASSERT_TRUE(objection);
+  EXPECT_FALSE(objection->grave);
+  EXPECT_TRUE(objection->elements.empty()) << "all";
+  EXPECT_EQ(objection->what, std::string("any motion: ") + kPattern);
+  pair.motion.patterns.push_back({"a0", 0.2});
+  const std::string both = objection_to(pair.dwell, pair.motion)->what;
+  EXPECT_NE(both.find("a transducer that distorts; the readings of a0 err in a pattern, by 20 % of its motion"),
+            std::string::npos)
+      << both;
+}
+
+TEST(ObjectionToADwell, NamesAPatternBesideWhatElseIsHeldAgainstTheDwell) {
+  Pair much = same_data(1000.0, 1014.3);
+  const std::string alone = objection_to(much.dwell, much.motion)->what;
+  much.motion.patterns = {{"y0", 0.055}};
+  const auto objection = objection_to(much.dwell, much.motion);
+  EXPECT_TRUE(objection->grave);
+  EXPECT_EQ(objection->elements, std::vector<int>{1});
+  EXPECT_EQ(objection->what, alone + "; " + kPattern);
+}
+
+// A wrong chain moves the table as it would need it, so its residuals tell nothing of the transducer.
+TEST(ObjectionToADwell, IsNoPatternOfOtherDataOrOfAChainThatIsRefused) {
+  Pair before = same_data(1000.0, 1000.0);
+  before.motion.patterns = {{"y0", 0.055}};
+  before.motion.end_s = 4.9;
+  EXPECT_FALSE(objection_to(before.dwell, before.motion)) << "of the transient alone";
+  Pair unfitted = same_data(1000.0, 1000.0), refused = contradicted({});
+  unfitted.motion.patterns = refused.motion.patterns = {{"y0", 0.055}};
+  unfitted.motion.reason = "the estimate did not converge in 60 passes";
+  EXPECT_FALSE(objection_to(unfitted.dwell, unfitted.motion));
+  EXPECT_EQ(objection_to(refused.dwell, refused.motion)->what,
+            "any motion: the chain of the rig file does not explain y1");
 }
 
 TEST(ObjectionToADwell, IsNoneWhereOnlyTheReadingsAreTooFewOrTheDwellIsNotInTheStretch) {

@@ -59,6 +59,17 @@ inline MotionData readings_of(const Rig& rig, DrivenChain& chain, double from_s,
   return data;
 }
 
+// A part of the size that each channel has in the steady motion.
+inline std::vector<double> part_of_steady(const Rig& rig, const Chain& chain, const Drive& drive, double part) {
+  DrivenChain steady(chain, drive, DrivenChain::Start::steady);
+  std::vector<double> out(rig.channels.size(), 0.0);
+  for (int i = 0; i < 64; ++i)
+    for (std::size_t c = 0; c < out.size(); ++c)
+      out[c] = std::max(
+          out[c], part * std::abs(exact_reading(rig, steady.at(i / 64.0 / drive.frequency_hz), static_cast<int>(c))));
+  return out;
+}
+
 // The chain's coefficients, these noises and that intensity; departures from what is stated 0.
 inline Eigen::VectorXd theta_of(const std::vector<Parameter>& parameters, const Chain& chain,
                                 const std::vector<double>& sigma, double ln_q) {

@@ -9,6 +9,7 @@
 
 #include "core/model/forward.hpp"
 #include "core/motion/given_table.hpp"
+#include "core/motion/motion_fit.hpp"
 #include "core/rig/transducer.hpp"
 #include "tests/core/faulty_motion.hpp"
 #include "tests/core/motion_case.hpp"
@@ -16,17 +17,6 @@
 
 namespace dwell {
 namespace {
-
-// A part of the size that each channel has in the steady motion.
-std::vector<double> part_of_steady(const Rig& rig, const Chain& chain, const Drive& drive, double part) {
-  DrivenChain steady(chain, drive, DrivenChain::Start::steady);
-  std::vector<double> out(rig.channels.size(), 0.0);
-  for (int i = 0; i < 64; ++i)
-    for (std::size_t c = 0; c < out.size(); ++c)
-      out[c] = std::max(
-          out[c], part * std::abs(exact_reading(rig, steady.at(i / 64.0 / drive.frequency_hz), static_cast<int>(c))));
-  return out;
-}
 
 MotionData start_up(const Rig& rig, const Chain& chain, const Drive& drive, double seconds, double rate_hz,
                     double noise, std::uint64_t seed) {
@@ -184,7 +174,7 @@ TEST(MotionEstimate, SaysWhereTooFewReadingsTellHowMuchWiderTheUncertaintyShould
   const Chain chain{Boundary::clamped, {}, {20000.0}, {300.0}};
   const Rig rig = rig_of(chain, 4.0);
   DrivenChain driven(chain, {4.0, 0.005, 0.0, 0.5}, DrivenChain::Start::rest);
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {1UL, 2UL}) {
     MotionData data = readings_of(rig, driven, 0.0, 2.0, 200.0, {1e-5, 0.5}, seed);
     for (MotionReading& reading : data.readings)
       if (reading.channel == 1) reading.value += 0.7 * std::tanh(200.0 * driven.at(to_s(reading.t_ns)).velocity[0]);
@@ -313,62 +303,6 @@ TEST(MotionEstimate, ConvictsNoChainOfATableThatMovesOtherwise) {
     EXPECT_LT(std::abs(found.elements[e].damping.value - chain.damping[e]), 4 * found.elements[e].damping.u);
     EXPECT_LT(found.elements[e].stiffness.U95, 0.02 * chain.stiffness[e]);
   }
-}
-
-// Of each four readings of the table the last three are as old as the first, noise apart: a register that is refreshed
-// less often than it is read. In a steady motion no channel but the table's own shows it.
-TEST(MotionEstimate, SaysThatTheTablesReadingsErrInAPattern) {
-  std::mt19937_64 rng(16);
-  std::normal_distribution<double> normal;
-  const Drive drive{4.0, 0.005, 0.0, 0.0};
-  for (int draw = 0; draw < 4; ++draw) {
-    const Chain chain = random_chain(rng, 1 + draw % 2, draw % 4 < 2 ? Boundary::free : Boundary::clamped, 4.0);
-    const Rig rig = rig_of(chain, 4.0);
-    const std::vector<double> noise = part_of_steady(rig, chain, drive, 0.002);
-    DrivenChain steady(chain, drive, DrivenChain::Start::steady);
-    const MotionData sound = readings_of(rig, steady, 0.0, 4.0, 200.0, noise, rng());
-    MotionData held = sound;
-    double first = 0.0;
-    int n = 0;
-    for (MotionReading& reading : held.readings) {
-      if (reading.channel != 0) continue;
-      if (n++ % 4 == 0)
-        first = reading.value;
-      else
-        reading.value = first + noise[0] * normal(rng);
-    }
-    const auto told = [](const MotionEstimate& found) {
-      return std::any_of(found.warnings.begin(), found.warnings.end(), [](const std::string& warning) {
-        return warning.find("the readings of y0 err in a pattern") == 0;
-      });
-    };
-    const MotionEstimate right = estimate_motion(rig, sound), wrong = estimate_motion(rig, held);
-    EXPECT_FALSE(told(right)) << draw;
-    EXPECT_TRUE(told(wrong)) << draw << " " << wrong.reason;
-    for (std::size_t e = 0; e < wrong.elements.size(); ++e) {
-      const ElementEstimate& element = wrong.elements[e];
-      if (!element.identifiable) continue;
-      EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[e]), 4 * element.stiffness.u) << draw << " c " << e;
-      EXPECT_LT(std::abs(element.damping.value - chain.damping[e]), 4 * element.damping.u) << draw << " r " << e;
-    }
-  }
-}
-
-// Rounding is no pattern of the device: it errs by half a step at most.
-TEST(MotionEstimate, TakesCoarseRoundingForNoFaultOfTheTablesReadings) {
-  const Chain chain{Boundary::free, {2.0}, {6000.0}, {12.0}};
-  const Rig rig = rig_of(chain, 4.0);
-  const Drive drive{4.0, 0.005, 0.0, 0.0};
-  const std::vector<double> noise = part_of_steady(rig, chain, drive, 3e-4),
-                            step = part_of_steady(rig, chain, drive, 0.01);
-  DrivenChain steady(chain, drive, DrivenChain::Start::steady);
-  MotionData data = readings_of(rig, steady, 0.0, 4.0, 500.0, noise, 5);
-  for (MotionReading& reading : data.readings) {
-    const double q = step[static_cast<std::size_t>(reading.channel)];
-    reading.value = std::round(reading.value / q) * q;
-  }
-  for (const std::string& warning : estimate_motion(rig, data).warnings)
-    EXPECT_EQ(warning.find("the readings of y0"), std::string::npos) << warning;
 }
 
 TEST(MotionEstimate, ComesToAnEndWhateverTheSizeOfTheReadings) {

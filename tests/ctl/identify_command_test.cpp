@@ -115,6 +115,40 @@ TEST(CommandLine, IdentifyDoubtsADwellWhoseStartContradictsTheChain) {
   EXPECT_EQ(dwell["doubts"][0]["what"].get<std::string>().find("any motion: "), 0U);
 }
 
+// As recording(), with noise; so many readings of y0 each are as old as the first of them, noise apart.
+std::string steady(int refreshed_every) {
+  constexpr double omega = 2.0 * std::numbers::pi * 4.0;
+  std::string text = "t,y0,reaction\n";
+  double read_mm = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const double phase = omega * i / 200.0,
+                 force = 1e-3 * 0.5 * (240000.0 * std::sin(phase) + omega * 310.0 * std::cos(phase));
+    if (i % refreshed_every == 0) read_mm = 0.5 * std::sin(phase);
+    std::array<char, 120> line{};
+    std::snprintf(line.data(), line.size(), "%.6f,%.9g,%.9g\n", i / 200.0, read_mm + 1e-3 * std::sin(1e4 * i * i),
+                  force + 0.2 * std::sin(3e4 * i * i));
+    text += line.data();
+  }
+  return text;
+}
+
+// The numbers stand: how far they are off is not known.
+TEST(CommandLine, IdentifyWarnsOfADwellWhoseTableReadingsErrInAPattern) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig), old = folder.file("old.csv", steady(4));
+  const Outcome right = run({"identify", "--rig", rig, folder.file("right.csv", steady(1))});
+  EXPECT_EQ(right.out.find("err in a pattern"), std::string::npos) << right.out;
+  const Outcome wrong = run({"identify", "--rig", rig, old});
+  EXPECT_EQ(wrong.code, 0) << wrong.out << wrong.err;
+  EXPECT_NE(wrong.out.find("any motion: the readings of y0 err in a pattern, by "), std::string::npos) << wrong.out;
+  const Json dwell = Json::parse(run({"identify", "--rig", rig, old, "--json"}).out)["dwells"][0];
+  EXPECT_TRUE(dwell["doubts"].empty()) << dwell["doubts"];
+  ASSERT_FALSE(dwell["warnings"].empty());
+  const std::string warning = dwell["warnings"].back();
+  EXPECT_EQ(warning.find("any motion: the readings of y0 err in a pattern, by "), 0U) << warning;
+  EXPECT_TRUE(warning.ends_with("The ± of this dwell does not cover it")) << warning;
+}
+
 TEST(CommandLine, IdentifySaysOnceWhatPlusMinusMeansByWhateverMethod) {
   const test::TemporaryFolder folder;
   const std::string rig = folder.file("rig.toml", kRig), data = folder.file("data.csv", start_up(0.0));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -24,10 +25,12 @@ constexpr double kTable_hz = 4.0;
 
 // A rig whose table rests for half a second, then moves at 4 Hz; scanned 200 times a second, all channels at once.
 struct LiveRig {
-  LiveRig(const Chain& the_chain, double amplitude, double sigma, record::StreamSink* sink = nullptr)
+  LiveRig(const Chain& the_chain, double amplitude, double sigma, record::StreamSink* sink = nullptr,
+          DrivenChain::Start start = DrivenChain::Start::rest)
       : chain(the_chain),
         rig(rig_of(chain, kTable_hz)),
-        motion(chain, {kTable_hz, amplitude, 0.0, 0.0}, DrivenChain::Start::rest),
+        steady(start == DrivenChain::Start::steady),
+        motion(chain, {kTable_hz, amplitude, 0.0, 0.0}, start),
         normal(0.0, sigma) {
     LogOptions quiet;
     quiet.console = false;
@@ -62,12 +65,15 @@ struct LiveRig {
     if (t_s > silent_from_s) return;
     std::vector<dwell_sample> samples;
     for (std::size_t c = 0; c < rig.channels.size(); ++c) {
-      const double moved = t_s < 0 ? 0.0 : exact_reading(rig, motion.at(t_s), static_cast<int>(c));
+      const double moved =
+          !steady && t_s < 0 ? 0.0 : exact_reading(rig, motion.at(steady ? t_s + 1.0 : t_s), static_cast<int>(c));
       const double scale = rig.channels[c].measures == Quantity::force ? 1e4 : 1.0;
       const double gain =
           rig.channels[c].measures == Quantity::displacement && rig.channels[c].at == 1 ? gain_of_y1 : 1;
-      samples.push_back({t_ns, gain * moved + scale * normal(rng), 1000, static_cast<std::uint16_t>(c), 0});
+      if (c > 0 || scans % y0_every == 0) read[c] = gain * moved;
+      samples.push_back({t_ns, read[c] + scale * normal(rng), 1000, static_cast<std::uint16_t>(c), 0});
     }
+    ++scans;
     ASSERT_TRUE(link->push(samples.data(), samples.size()));
   }
   static double moving_s(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns - kMoves_ns); }
@@ -79,6 +85,7 @@ struct LiveRig {
   static constexpr std::int64_t kStart_ns = 5'000 * kMs_ns, kMoves_ns = kStart_ns + 500 * kMs_ns;
   Chain chain;
   Rig rig;
+  bool steady;  // the table moves before the first scan, the transient is over
   DrivenChain motion;
   std::mt19937_64 rng{3};
   std::normal_distribution<double> normal;
@@ -89,6 +96,9 @@ struct LiveRig {
   std::int64_t now_ns = kStart_ns;
   double silent_from_s = INFINITY;  // the device sends nothing from then on
   double gain_of_y1 = 1.0;          // that the rig file does not know of
+  int y0_every = 1;                 // scans in which y0 is refreshed; in the others it is as old as then, noise apart
+  std::array<double, 8> read{};     // newest of each channel, without noise
+  int scans = 0;
   int jobs = 0;
 };
 
@@ -176,6 +186,25 @@ TEST(LiveModel, TellsAndRecordsWhatAnyMotionHoldsAgainstADwellThatHasEnded) {
   ASSERT_TRUE(recorded);
   EXPECT_EQ(recorded->dwell, 1);
   EXPECT_EQ(recorded->objection, objection()) << "and it is recorded";
+}
+
+// A register that is refreshed less often than it is read. In the steady motion only the table's residuals show it.
+TEST(LiveModel, TellsThatTheTablesReadingsErrInAPatternWhichTheDwellsUncertaintyDoesNotCover) {
+  for (const int every : {1, 4}) {
+    LiveRig live({Boundary::free, {2.0}, {6000.0}, {12.0}}, 0.005, 1e-5, nullptr, DrivenChain::Start::steady);
+    live.y0_every = every;
+    live.silent_from_s = 6.0;
+    live.run(12.0);
+    const VerifiedModel* const known = verdict_on(live.latest().models.get(), 1);
+    ASSERT_TRUE(known);
+    const std::string& objection = known->model.objection;
+    if (every == 1) {
+      EXPECT_EQ(objection, "");
+      continue;
+    }
+    EXPECT_EQ(objection.find("any motion: the readings of y0 err in a pattern, by "), 0U) << objection;
+    EXPECT_TRUE(objection.ends_with("The ± of this dwell does not cover it")) << objection;
+  }
 }
 
 TEST(LiveModel, HoldsNothingAgainstADwellThatIsRight) {
