@@ -10,6 +10,7 @@
 #include "core/model/forward.hpp"
 #include "core/motion/given_table.hpp"
 #include "core/motion/motion_fit.hpp"
+#include "core/motion/table_activity.hpp"
 #include "core/rig/transducer.hpp"
 #include "tests/core/faulty_motion.hpp"
 #include "tests/core/motion_case.hpp"
@@ -303,6 +304,22 @@ TEST(MotionEstimate, ConvictsNoChainOfATableThatMovesOtherwise) {
     EXPECT_LT(std::abs(found.elements[e].damping.value - chain.damping[e]), 4 * found.elements[e].damping.u);
     EXPECT_LT(found.elements[e].stiffness.U95, 0.02 * chain.stiffness[e]);
   }
+}
+
+// Stamps of the table's transducer rounded down to 0.3 rad of the drive, by which eight readings each have one.
+TEST(MotionEstimate, TakesReadingsOfOneInstantForNoNoise) {
+  const Chain chain = clamped_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  const Drive drive{4.0, 0.005, 0.0, 0.0};
+  DrivenChain steady(chain, drive, DrivenChain::Start::steady);
+  MotionData data = readings_of(rig, steady, 0.0, 3.0, 640.0, part_of_steady(rig, chain, drive, 0.005), 3);
+  for (MotionReading& reading : data.readings)
+    if (reading.channel == 0) reading.t_ns -= reading.t_ns % to_ns(1.0 / 80.0);
+  std::stable_sort(data.readings.begin(), data.readings.end(),
+                   [](const MotionReading& a, const MotionReading& b) { return a.t_ns < b.t_ns; });
+  const MotionEstimate found = estimate_motion(rig, data, {.missing = false});
+  EXPECT_NE(found.reason, "the table does not move");
+  EXPECT_LT(local_noise(rig, data)[0], 0.05 * 0.005);
 }
 
 TEST(MotionEstimate, ComesToAnEndWhateverTheSizeOfTheReadings) {

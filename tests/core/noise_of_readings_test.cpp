@@ -66,6 +66,15 @@ TEST(NoiseOfReadings, SeesOnlyTheNoiseBesideReadingsFarOffAndEqualInstants) {
   EXPECT_LT(found, 1.3 * 0.01);
 }
 
+// Stamps rounded to a twentieth of the period, eight readings each: what it is too large by is the motion meanwhile.
+TEST(NoiseOfReadings, OfRoundedStampsIsFarBelowTheMotion) {
+  std::mt19937_64 rng(4);
+  Readings of = sine(160.0, 1.0, 0.01, 2000, rng);
+  for (double& t : of.t) t = std::floor(20.0 * t) / 20.0;
+  EXPECT_GT(noise_of_readings(of.t, of.value), 0.8 * 0.01);
+  EXPECT_LT(noise_of_readings(of.t, of.value), 0.03);
+}
+
 TEST(NoiseOfReadings, OfTooFewReadingsIsNotKnown) {
   EXPECT_TRUE(std::isnan(noise_of_readings({}, {})));
   EXPECT_TRUE(std::isnan(noise_of_readings({0, 1, 2, 3, 4, 5, 6, 7}, {1, 2, 1, 2, 1, 2, 1, 2})));
