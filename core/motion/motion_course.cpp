@@ -7,6 +7,7 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/base/wording.hpp"
 #include "core/motion/late_answers.hpp"
 #include "core/motion/level_crossings.hpp"
 #include "core/motion/noise_of_readings.hpp"
@@ -83,7 +84,7 @@ class Course {
   bool prepare() {
     const std::vector<double> noise = noise_where_whole();
     activity_ = table_activity(rig_, all_, noise);
-    if (activity_.seen && !activity_.moves) return refuse("the table does not move");
+    if (activity_.seen && !activity_.moves) return refuse(why_at_rest());
     const auto before_ns = static_cast<std::int64_t>(1e9 / rig_.excitation.frequency_hz);
     const auto first = std::find_if(all_.readings.begin(), all_.readings.end(), [&](const MotionReading& r) {
       return r.t_ns >= std::max(activity_.onset_ns - before_ns, all_.whole_from_ns);
@@ -107,6 +108,14 @@ class Course {
     const std::size_t fewest = kPerUnknown * unknowns();
     if (out_.data.readings.size() >= fewest) return true;
     return refuse("too few readings: " + std::to_string(out_.data.readings.size()));
+  }
+
+  [[nodiscard]] std::string why_at_rest() const {
+    if (!(activity_.amplitude > rig_.excitation.minimum)) return "the table does not move";
+    const std::string& name = rig_.channels[static_cast<std::size_t>(activity_.channel)].name;
+    return "whether the table moves cannot be told: " + name + " scatters from reading to reading by " +
+           percent(activity_.scatter) + " of its amplitude, and noise alone does so by " + percent(kScatterOfNoise) +
+           " or more. If it moves, check " + name + " or read it more often; if not, raise excitation.minimum";
   }
 
   // What the readings must determine: free_parameters(), the first state, a bias of each channel.

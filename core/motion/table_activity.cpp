@@ -20,7 +20,6 @@ namespace {
 // less would cut a drive that wanders into pieces that say little of their own intensity.
 constexpr double kOtherKind = 3.2;
 constexpr std::size_t kMostStretches = 5;
-constexpr double kAboveNoise = 8.0;   // standard deviations between largest and smallest of noise alone: 5.5 of 200
 constexpr double kSpike = 40.0;       // σ from its neighbours' cubic; a knock of the table stays far below
 constexpr double kMostSpikes = 0.01;  // part of a channel's readings; more of them are how it moves
 
@@ -109,13 +108,16 @@ TableActivity table_activity(const Rig& rig, const MotionData& data, const std::
   const auto c = static_cast<std::size_t>(out.channel);
   const double per_m = readings_per_m(rig, out.channel);
   const std::vector<Block> blocks = blocks_of(data, out.channel, half_period_ns(rig));
-  const double still =
-      std::max(least_amplitude(rig, out.channel), 0.5 * kAboveNoise * (std::isfinite(noise[c]) ? noise[c] : 0.0));
+  const double sigma = std::isfinite(noise[c]) ? noise[c] : 0.0;
+  double largest = 0.0;
+  for (const Block& block : blocks) largest = std::max(largest, block.amplitude());
+  out.amplitude = largest / per_m;
+  if (largest > 0) out.scatter = sigma / largest;
+  const double still = std::max(least_amplitude(rig, out.channel), sigma / kScatterOfNoise);
   const auto moving = std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.amplitude() > still; });
   if (moving == blocks.end()) return out;
   out.moves = true;
   out.onset_ns = moving->from_ns;
-  for (const Block& block : blocks) out.amplitude = std::max(out.amplitude, block.amplitude() / per_m);
   out.amplitudes = joined({moving, blocks.end()}, still);
   for (auto& from : out.amplitudes) from.amplitude /= per_m;
   return out;
