@@ -123,7 +123,7 @@ export function modelOf(dwell, verification) {
 // The same as a cell of a table.
 export function modelBrief(model) {
   if (!model) return null;
-  return model.verdict + (model.consistent === false ? ', not consistent' : '') + (model.objection ? ', contradicted' : '');
+  return model.verdict + (model.consistent === false ? ', not consistent' : '') + (model.objection ? ', objection' : '');
 }
 
 export function frequencyText(dwell) {

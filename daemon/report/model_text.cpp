@@ -96,7 +96,7 @@ std::string agreement_text(const DwellView& view) {
 std::string model_brief(const ModelVerdict& model) {
   std::string text = to_string(model.verdict);
   if (!model.consistent.value_or(true)) text += ", not consistent";
-  if (!model.objection.empty()) text += ", contradicted";
+  if (!model.objection.empty()) text += ", objection";
   return text;
 }
 

@@ -27,7 +27,7 @@ namespace dwell {
 
 // "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)".
 [[nodiscard]] std::string model_text(const ModelVerdict& model);
-// "adequate, not consistent, contradicted": a cell of a table. contradicted: any motion holds something against the
+// "adequate, not consistent, objection": a cell of a table. objection: any motion holds something against the
 // dwell.
 [[nodiscard]] std::string model_brief(const ModelVerdict& model);
 

@@ -93,7 +93,7 @@ TEST(Tables, DwellsShowWhatIsHeldAgainstTheirModels) {
   DwellView view = make_view(test::sample_dwell(), test::sample_rig(), {});
   view.model = ModelVerdict{Verdict::adequate, false, 0.05, 0.012, 0.004, "any motion: the chain does not explain y1"};
   const std::string text = dwells_table({view});
-  EXPECT_NE(text.find("  adequate, not consistent, contradicted\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("  adequate, not consistent, objection\n"), std::string::npos) << text;
   EXPECT_EQ(text.substr(0, text.find('\n')), "dwell 1: any motion: the chain does not explain y1");
 }
 

@@ -117,7 +117,7 @@ test('the model is told with figures, and colours only where it is not good', ()
   assert.equal(of({ ...model, consistent: false }).tone, 'care');
   assert.equal(of({ ...model, objection: 'any motion: the chain does not explain y1' }).tone, 'care');
   assert.equal(modelBrief(model), 'adequate');
-  assert.equal(modelBrief({ ...model, consistent: false, objection: 'any motion: …' }), 'adequate, not consistent, contradicted');
+  assert.equal(modelBrief({ ...model, consistent: false, objection: 'any motion: …' }), 'adequate, not consistent, objection');
   assert.match(of({ ...model, objection: 'any motion: the chain does not explain y1' }).text, /; any motion: the chain does not explain y1$/);
   assert.equal(modelOf(dwellOf()), null);
   assert.equal(modelOf(null), null);
