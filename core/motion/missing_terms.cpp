@@ -287,6 +287,19 @@ bool has_noise(const Rig& rig, const MotionCourse& course) {
   return false;
 }
 
+// The better of two explanations of what `course` leaves over: the best term about it; or that the table moves
+// otherwise than its process, and the best term, if any, beside that. A wandering table does not foresee a swell, and
+// terms of the chain that make up for it have a gain.
+Explanation better_of(Explanation best, const Rig& rig, const MotionData& data, const MotionCourse& course,
+                      std::size_t most) {
+  const MotionCourse swelling = run_course(rig, data, most, {}, course.limits.stop, TableProcess::swelling);
+  if (!swelling.reason.empty()) return best;
+  const ChainFit before = chain_fit(rig, course), after = chain_fit(rig, swelling);
+  const double gained = std::min(before.readings, after.readings) * (before.per_reading - after.per_reading);
+  if (!after.possible || !(gained > best.gain())) return best;
+  return TermSearch(rig, swelling).run(after.left);
+}
+
 }  // namespace
 
 MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, bool contradicted,
@@ -301,6 +314,7 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
     out.unchecked = search.not_checked();
     out.tried_inputs = has_noise(rig, course);
     if (out.tried_inputs) best = search.run(now.left);
+    if (!best.terms.empty()) best = better_of(std::move(best), rig, data, course, most);
     contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
   }
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {

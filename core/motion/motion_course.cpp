@@ -46,8 +46,10 @@ constexpr double kUntoldNoise = 1.0;
 
 class Course {
  public:
-  Course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term, std::stop_token stop)
+  Course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term, std::stop_token stop,
+         TableProcess process)
       : rig_(rig), all_(std::move(data)), most_(most), term_(term), stop_(std::move(stop)) {
+    out_.process = process;
     for (const Channel& channel : rig.channels) channels_ += channel.measures == Quantity::auxiliary ? 0 : 1;
   }
 
@@ -120,8 +122,8 @@ class Course {
 
   // What the readings must determine: free_parameters(), the first state, a bias of each channel.
   [[nodiscard]] std::size_t unknowns() const {
-    return free_parameters(rig_, intensities_).size() + static_cast<std::size_t>(MotionModel(rig_, {}).states()) +
-           channels_;
+    return free_parameters(rig_, intensities_).size() +
+           static_cast<std::size_t>(MotionModel(rig_, {}, out_.process).states()) + channels_;
   }
 
   void add_stretch(std::int64_t from_ns, double amplitude) {
@@ -180,7 +182,7 @@ class Course {
             std::max({std::isfinite(out_.noise[i]) ? out_.noise[i] : 0.0, kLeastNoise * out_.size[i], 1e-300}));
       at_.theta(static_cast<Index>(a)) = value;
     }
-    at_.initial = VectorXd::Zero(MotionModel(rig_, {}).states());
+    at_.initial = VectorXd::Zero(MotionModel(rig_, {}, out_.process).states());
     at_.bias = Eigen::Map<const VectorXd>(mean_.data(), static_cast<Index>(mean_.size()));
   }
 
@@ -217,7 +219,7 @@ class Course {
   }
 
   bool fit(std::size_t count, bool first, bool whole) {
-    const MotionModel model(rig_, out_.parameters);
+    const MotionModel model = out_.model(rig_);
     MotionData part{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(count)},
                     out_.data.stretches};
     out_.limits = limits();
@@ -248,8 +250,7 @@ class Course {
   bool mark_events() {
     if (marked_ || !activity_.seen) return false;
     marked_ = true;
-    const Pass pass =
-        evaluate(MotionModel(rig_, out_.parameters), out_.data, at_, {.derivatives = false, .keep_innovations = true});
+    const Pass pass = evaluate(out_.model(rig_), out_.data, at_, {.derivatives = false, .keep_innovations = true});
     const auto& seen = pass.innovations[static_cast<std::size_t>(activity_.channel)];
     std::vector<MotionStretch> stretches;
     std::size_t events = 0, next = 0;
@@ -276,8 +277,7 @@ class Course {
   bool leave_out_far() {
     if (left_out_) return false;
     left_out_ = true;
-    const Pass pass =
-        evaluate(MotionModel(rig_, out_.parameters), out_.data, at_, {.derivatives = false, .keep_innovations = true});
+    const Pass pass = evaluate(out_.model(rig_), out_.data, at_, {.derivatives = false, .keep_innovations = true});
     std::vector<MotionReading> kept;
     std::vector<std::size_t> next(pass.innovations.size(), 0);
     for (const MotionReading& reading : out_.data.readings) {
@@ -319,7 +319,7 @@ class Course {
     last.gain = FitLimits{}.gain;
     const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
     last.block_s = std::max(2.0 / rig_.excitation.frequency_hz, span / 64);
-    const MotionModel model(rig_, out_.parameters);
+    const MotionModel model = out_.model(rig_);
     out_.fit = fit_motion(model, out_.data, at_, last);
     out_.passes += out_.fit.passes;
     if (MotionUnknowns with = out_.fit.at; raise_vanished_noise(with)) {
@@ -377,8 +377,8 @@ class Course {
 double lowest_departure(double mass) { return -(1 - kLeastMass) * mass; }
 
 MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term,
-                        std::stop_token stop) {
-  return Course(rig, std::move(data), most, term, std::move(stop)).run();
+                        std::stop_token stop, TableProcess process) {
+  return Course(rig, std::move(data), most, term, std::move(stop), process).run();
 }
 
 }  // namespace dwell

@@ -48,7 +48,7 @@ class Report {
     out.reason = course_.reason;
     const auto fitted = static_cast<std::size_t>(course_.fit.at.theta.size());
     if (!std::isfinite(course_.fit.V) || fitted == 0 || fitted != course_.parameters.size()) return out;
-    const MotionModel model(rig_, course_.parameters);
+    const MotionModel model = course_.model(rig_);
     pass_ = evaluate(model, course_.data, course_.fit.at, {.derivatives = false, .keep_innovations = true});
     given_table_ = innovations_given_table(model, course_.data, course_.fit.at);
     add_channels(out);
@@ -129,7 +129,7 @@ class Report {
 
   // Whether the table moves as its process does not have it, by its own readings.
   [[nodiscard]] bool strange_table() const {
-    const auto alone = innovations_of_table(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at);
+    const auto alone = innovations_of_table(course_.model(rig_), course_.data, course_.fit.at);
     return std::any_of(alone.begin(), alone.end(),
                        [](const auto& innovations) { return whiteness_of(innovations).p < kContradicted; });
   }

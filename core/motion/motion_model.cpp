@@ -29,13 +29,16 @@ bool differentiated_table(const Rig& rig) {
 
 }  // namespace
 
-MotionModel::MotionModel(const Rig& rig, std::vector<Parameter> parameters)
+MotionModel::MotionModel(const Rig& rig, std::vector<Parameter> parameters, TableProcess process)
     : rig_(rig),
       parameters_(std::move(parameters)),
+      process_(process),
       apart_(apart(rig.mass_count())),
       omega0_(kTwoPi * (rig.excitation.frequency_hz > 0 ? rig.excitation.frequency_hz : 1.0)),
       n_(rig.mass_count()),
-      table_(differentiated_table(rig) ? 4 : 3),
+      table_(process == TableProcess::swelling ? 5
+             : differentiated_table(rig)       ? 4
+                                               : 3),
       states_(table_ + 2 * n_) {
   for (const Channel& channel : rig_.channels) {
     filters_at_.push_back(states_);
@@ -124,11 +127,23 @@ RowVectorXd MotionModel::channel_row(const Coefficients& of, const Channel& chan
   return row;
 }
 
+void MotionModel::add_process(double drive, bool derivative, MatrixXd& A) const {
+  const double r = 1 + drive;
+  const double square = derivative ? 2 * r : r * r, fourth = derivative ? 4 * r * r * r : r * r * r * r;
+  if (process_ == TableProcess::wandering) {
+    A(table_ - 1, table_ - 2) = -omega0_ * square;
+  } else {
+    A(3, 2) = -2 * omega0_ * square;
+    A(3, 0) = -omega0_ * fourth;
+    A(3, 4) = omega0_ * fourth;
+  }
+}
+
 MotionModel::Parts MotionModel::parts(const Coefficients& of, Of what) const {
   Parts out{MatrixXd::Zero(states_, states_), MatrixXd::Zero(static_cast<Eigen::Index>(rig_.channels.size()), states_)};
   const bool all = what == Of::all;
-  for (int i = 0; i + 1 < table_ && all; ++i) out.A(i, i + 1) = omega0_;
-  if (all) out.A(table_ - 1, table_ - 2) = -omega0_ * (1 + of.drive) * (1 + of.drive);
+  for (int i = 0; i < noise_state() && all; ++i) out.A(i, i + 1) = omega0_;
+  if (all) add_process(of.drive, false, out.A);
   RowVectorXd before = RowVectorXd::Zero(states_);  // acceleration of the table, then of the mass before
   if (all) before = acceleration_row(of, 0);
   for (int k = 1; k <= n_; ++k) {
@@ -192,7 +207,7 @@ MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficien
   if (by.what == Unknown::clock) return {here.A, MatrixXd()};
   if (by.what == Unknown::drive) {
     Parts out{MatrixXd::Zero(states_, states_), MatrixXd()};
-    out.A(table_ - 1, table_ - 2) = -2 * omega0_ * (1 + at.drive);
+    add_process(at.drive, true, out.A);
     return out;
   }
   return {};
@@ -222,7 +237,7 @@ LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
   MotionModel moved(*this);
   moved.rig_ = std::move(rig);
   const Parts here = moved.parts(now, Of::all);
-  LinearModel out{here.A, here.C, {}, {}, table_ - 1, {}, {}, {}};
+  LinearModel out{here.A, here.C, {}, {}, noise_state(), {}, {}, {}};
   moved.add_inputs(now, here, out);
   double clock = 0.0;
   for (std::size_t a = 0; a < parameters_.size(); ++a) {

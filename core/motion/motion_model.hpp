@@ -6,7 +6,8 @@
 // of a displacement. The table is what a constant and a sine of the drive's frequency ω become under white noise of
 // intensity q, in m²/s: s''' = -ω² s' + √q ω₀² w (one derivative more where an accelerometer on the table has to be
 // differentiated by a delay). A steady drive leaves q near 0, so that the sine itself carries the estimate; towards
-// high frequencies it is the Wiener process of the acceleration, which follows ramps, knocks and random motion. d_k =
+// high frequencies it is the Wiener process of the acceleration, which follows ramps, knocks and random motion. Another
+// process: TableProcess. d_k =
 // y_k - y_{k-1}: a free chain feels the table's acceleration alone, and a transducer across an element keeps every
 // digit. With d_{n+1} = -y_n for clamped, and f_k = c_k d_k + r_k d_k':
 //
@@ -20,6 +21,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -40,9 +42,17 @@ struct LinearModel {
   std::vector<int> inputs;  // their parameters
 };
 
+// What the table's motion is taken for: what becomes of a drive of frequency ω under white noise w.
+enum class TableProcess : std::uint8_t {
+  wandering,  // s''' = -ω² s' + √q ω₀² w: offset and phasor of the drive wander
+  // s'''' = -2ω² s'' - ω⁴ (s - o) + √q ω₀³ w, the offset o constant: the phasor changes at a rate that wanders, as in
+  // swells. States s, s'/ω₀ … s'''/ω₀³, o.
+  swelling,
+};
+
 class MotionModel {
  public:
-  MotionModel(const Rig& rig, std::vector<Parameter> parameters);
+  MotionModel(const Rig& rig, std::vector<Parameter> parameters, TableProcess process = TableProcess::wandering);
 
   [[nodiscard]] int states() const noexcept { return states_; }
   [[nodiscard]] int table_states() const noexcept { return table_; }
@@ -89,8 +99,14 @@ class MotionModel {
   // What channel c shows, from its row in `here`, with derivatives.
   void state_row(int c, const Eigen::VectorXd& theta, const Parts& here, LinearModel& out) const;
 
+  // The state that the noise enters: the highest derivative of s.
+  [[nodiscard]] int noise_state() const noexcept { return table_ - (process_ == TableProcess::swelling ? 2 : 1); }
+  // Fills in that state's row of A, or its derivative by the drive's relative departure.
+  void add_process(double drive, bool derivative, Eigen::MatrixXd& A) const;
+
   Rig rig_;
   std::vector<Parameter> parameters_;
+  TableProcess process_;
   std::vector<std::pair<int, int>> apart_;
   double omega0_;
   int n_, table_, states_;

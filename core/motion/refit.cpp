@@ -58,11 +58,10 @@ Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& te
   }
   if (term.what == Unknown::mass) limits.lowest(a) = lowest_departure(rig.masses[static_cast<std::size_t>(term.index)]);
 
-  const MotionModel model(rig, parameters);
+  const MotionModel model(rig, parameters, course.process);
   MotionData data = course.data;
   MotionFit fit;
-  if (is_input(term.what))
-    data.inputs = element_inputs(MotionModel(rig, course.parameters), course.data, course.fit.at, {term});
+  if (is_input(term.what)) data.inputs = element_inputs(course.model(rig), course.data, course.fit.at, {term});
   MotionUnknowns there = start;
   there.theta.conservativeResizeLike(Eigen::VectorXd::Zero(at.theta.size()));
   there.theta(a) = value;

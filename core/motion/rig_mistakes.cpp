@@ -77,7 +77,7 @@ bool has_impossible_coefficient(const Rig& rig, const MotionFit& fit) {
 ChainFit chain_fit(const Rig& rig, const MotionCourse& course) {
   ChainFit out;
   if (!course.whole || !std::isfinite(course.fit.V) || course.data.readings.empty()) return out;
-  const MotionModel model(rig, course.parameters);
+  const MotionModel model = course.model(rig);
   out.left = leftover(model, course.data, course.fit.at, course.noise, course.size);
   const Pass pass = evaluate(model, course.data, course.fit.at, {.derivatives = false});
   out.readings = static_cast<double>(course.data.readings.size());

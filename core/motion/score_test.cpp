@@ -22,8 +22,8 @@ constexpr double kLeft = 1e-7;
 ElementSizes sizes_of(const Rig& rig, const MotionCourse& course) {
   const Index elements = rig.element_count();
   const VectorXd& theta = course.fit.at.theta;  // c_1, r_1, c_2 … first (free_parameters())
-  const Pass pass = evaluate(MotionModel(rig, course.parameters), course.data, course.fit.at,
-                             {.derivatives = false, .keep_innovations = true});
+  const Pass pass =
+      evaluate(course.model(rig), course.data, course.fit.at, {.derivatives = false, .keep_innovations = true});
   return {theta(Eigen::seqN(0, elements, 2)), theta(Eigen::seqN(1, elements, 2)), pass.deformation};
 }
 
@@ -73,8 +73,8 @@ class Test {
     std::copy_if(parameters_.begin(), parameters_.end(), std::back_inserter(inputs),
                  [](const Parameter& p) { return is_input(p.what); });
     MotionData data = course_.data;
-    data.inputs = element_inputs(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at, inputs);
-    pass_ = evaluate(MotionModel(rig_, parameters_), data, at, {});
+    data.inputs = element_inputs(course_.model(rig_), course_.data, course_.fit.at, inputs);
+    pass_ = evaluate(MotionModel(rig_, parameters_, course_.process), data, at, {});
   }
 
   // Indices, in the pass, of the fitted unknowns. An unknown that ended at its lower bound is not free and is left out.
