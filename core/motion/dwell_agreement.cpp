@@ -119,8 +119,9 @@ std::optional<Objection> better_explained(const MotionEstimate& motion, const Dw
 // The dwell's ± takes what its readings scatter for noise, which averages out. A pattern need not.
 std::optional<Objection> with_patterns(std::optional<Objection> objection, const MotionEstimate& motion) {
   if (motion.patterns.empty()) return objection;
-  Objection out = objection ? std::move(*objection) : Objection{"any motion", false, {}};
   const char* before = objection ? "; " : ": ";
+  Objection out = objection ? std::move(*objection) : Objection{"any motion", false, {}};
+  if (!out.grave) out.elements.clear();  // the pattern concerns all; a grave objection doubts its own alone
   for (const ReadingsPattern& pattern : motion.patterns)
     out.what += std::exchange(before, "; ") + words_of_pattern(pattern);
   out.what += ". The ± of this dwell does not cover it";

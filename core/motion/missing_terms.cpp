@@ -59,7 +59,8 @@ double gain_by_chance(std::size_t candidates) {
 struct Explanation {
   std::vector<MissingTerm> terms;
   Leftover left;
-  [[nodiscard]] double gain() const { return terms.empty() ? 0.0 : terms.front().gain; }
+  double of_table = 0.0;  // by which V fell by another process of the table; the terms are beside that
+  [[nodiscard]] double gain() const { return of_table + (terms.empty() ? 0.0 : terms.front().gain); }
 };
 
 void sort_by_gain(std::vector<MissingTerm>& terms) {
@@ -287,17 +288,20 @@ bool has_noise(const Rig& rig, const MotionCourse& course) {
   return false;
 }
 
-// The better of two explanations of what `course` leaves over: the best term about it; or that the table moves
-// otherwise than its process, and the best term, if any, beside that. A wandering table does not foresee a swell, and
-// terms of the chain that make up for it have a gain.
-Explanation better_of(Explanation best, const Rig& rig, const MotionData& data, const MotionCourse& course,
-                      std::size_t most) {
+// A wandering table does not foresee a swell, and terms of the chain that make up for it have a gain. So the readings
+// are fitted with a swelling table. If that alone explains more than the term, terms are sought anew beside it; none
+// may be left.
+Explanation checked_against_swell(Explanation best, const Rig& rig, const MotionData& data, const MotionCourse& course,
+                                  std::size_t most) {
   const MotionCourse swelling = run_course(rig, data, most, {}, course.limits.stop, TableProcess::swelling);
   if (!swelling.reason.empty()) return best;
   const ChainFit before = chain_fit(rig, course), after = chain_fit(rig, swelling);
   const double gained = std::min(before.readings, after.readings) * (before.per_reading - after.per_reading);
   if (!after.possible || !(gained > best.gain())) return best;
-  return TermSearch(rig, swelling).run(after.left);
+  Explanation out = TermSearch(rig, swelling).run(after.left);
+  if (out.terms.empty()) out.left = after.left;
+  out.of_table = gained;
+  return out;
 }
 
 }  // namespace
@@ -314,7 +318,7 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
     out.unchecked = search.not_checked();
     out.tried_inputs = has_noise(rig, course);
     if (out.tried_inputs) best = search.run(now.left);
-    if (!best.terms.empty()) best = better_of(std::move(best), rig, data, course, most);
+    if (!best.terms.empty()) best = checked_against_swell(std::move(best), rig, data, course, most);
     contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
   }
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {

@@ -22,9 +22,9 @@ struct MissingTerms {
 
 // data: as run_course() was given. contradicted: the chain is refused, or does not converge; then mistakes of the rig
 // file are tried as well, each with the chain fitted anew, unless that is put off (anew: false). Takes a third of the
-// time of the estimate on a healthy rig, and up to three times that of the estimate where a term is to be named. On a
-// contradicted one screening takes up to ten times the time of the estimate, and each hypothesis that is close to the
-// best one estimate more, a delay two. Thread-safe; allocates.
+// time of the estimate on a healthy rig, and up to three estimates where a term is found and checked against a swell.
+// On a contradicted one screening takes up to ten times the time of the estimate, and each hypothesis that is close to
+// the best one estimate more, a delay two. Thread-safe; allocates.
 [[nodiscard]] MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course,
                                         bool contradicted, std::size_t most, bool anew);
 

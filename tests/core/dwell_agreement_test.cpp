@@ -213,6 +213,19 @@ TEST(ObjectionToADwell, NamesAPatternBesideWhatElseIsHeldAgainstTheDwell) {
   EXPECT_EQ(objection->what, alone + "; " + kPattern);
 }
 
+// A term without weight concerns its own elements, a pattern all of them. The warning stood at element 1 alone.
+TEST(ObjectionToADwell, WarnsAllElementsOfAPatternBesideATermWithoutWeight) {
+  Pair pair = contradicted({9.9, 0.19});
+  pair.motion.contradicted = false;
+  pair.motion.reason = "";
+  pair.motion.missing[0].told = "a delay of y1 of 5.70 ± 0.20 ms";
+  ASSERT_EQ(objection_to(pair.dwell, pair.motion)->elements, std::vector<int>{1});
+  pair.motion.patterns = {{"y0", 0.055}};
+  const auto objection = objection_to(pair.dwell, pair.motion);
+  EXPECT_FALSE(objection->grave);
+  EXPECT_TRUE(objection->elements.empty()) << "all";
+}
+
 // A wrong chain moves the table as it would need it, so its residuals tell nothing of the transducer.
 TEST(ObjectionToADwell, IsNoPatternOfOtherDataOrOfAChainThatIsRefused) {
   Pair before = same_data(1000.0, 1000.0);
