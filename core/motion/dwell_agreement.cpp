@@ -116,7 +116,7 @@ std::optional<Objection> better_explained(const MotionEstimate& motion, const Dw
       !wrong->empty(), *moved};
 }
 
-// The dwell's ± takes what its readings scatter for noise, which averages out. A pattern need not.
+// The dwell's ± takes all scatter of its readings for noise, which averages out. A pattern may not.
 std::optional<Objection> with_patterns(std::optional<Objection> objection, const MotionEstimate& motion) {
   if (motion.patterns.empty()) return objection;
   const char* before = objection ? "; " : ": ";

@@ -34,9 +34,9 @@ namespace dwell {
 // - terms are named that explain the readings better, and one of them would move a coefficient of the dwell beyond its
 //   U95.
 //
-// Where the chain is not refused and the estimate reaches into the dwell's own data, it holds against the dwell, beside
-// these, that readings of the table err in a pattern: the dwell's ± takes the error for noise. How far a coefficient is
-// off cannot be told from it, so by itself it is not grave.
+// Beside these, readings of the table that err in a pattern: the dwell's ± takes the error for noise. It counts if the
+// estimate has no `reason` against itself and reaches into the dwell's own data. How far a coefficient is off is not
+// known, so by itself it is not grave. Beside a grave objection it is said of that one's elements alone.
 struct Objection {
   std::string what;           // "any motion: the chain of the rig file does not explain y1; …"
   bool grave = true;          // false: nothing shows that a coefficient is so far off that it is wrong

@@ -86,7 +86,7 @@ class Course {
   bool prepare() {
     const std::vector<double> noise = noise_where_whole();
     activity_ = table_activity(rig_, all_, noise);
-    if (activity_.seen && !activity_.moves) return refuse(why_at_rest());
+    if (activity_.seen && !activity_.moves) return refuse(why_no_motion_is_seen());
     const auto before_ns = static_cast<std::int64_t>(1e9 / rig_.excitation.frequency_hz);
     const auto first = std::find_if(all_.readings.begin(), all_.readings.end(), [&](const MotionReading& r) {
       return r.t_ns >= std::max(activity_.onset_ns - before_ns, all_.whole_from_ns);
@@ -112,7 +112,7 @@ class Course {
     return refuse("too few readings: " + std::to_string(out_.data.readings.size()));
   }
 
-  [[nodiscard]] std::string why_at_rest() const {
+  [[nodiscard]] std::string why_no_motion_is_seen() const {
     if (!(activity_.amplitude > rig_.excitation.minimum)) return "the table does not move";
     const std::string& name = rig_.channels[static_cast<std::size_t>(activity_.channel)].name;
     return "whether the table moves cannot be told: " + name + " scatters from reading to reading by " +

@@ -102,7 +102,7 @@ class Report {
     pattern_ += whiteness.squares;
     out.patterns.push_back({rig_.channels[c].name, pattern / course_.size[c]});
     out.warnings.push_back(words_of_pattern(out.patterns.back()) +
-                           ". The ± here is wider for it; that of the dwell is not");
+                           ". These ± are wider for it. Those of the dwell are not");
   }
 
   // Covariance of the coefficients with what is stated taken as exact, and what each stated one adds.

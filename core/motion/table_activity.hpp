@@ -35,11 +35,11 @@ struct TableActivity {
 // velocity, an acceleration. table_activity() takes a larger one where the noise asks for it.
 [[nodiscard]] double least_amplitude(const Rig& rig, int channel);
 
-// The scatter of noise alone is larger than this: 200 readings of it lie within 5.5 standard deviations, a scatter of
-// 0.36, and 0.25 is eight of them. A sine that is read five times a period has 0.24, as a cubic misses so much of it,
-// and one that is read six times 0.125. Halved, the latter would be taken for noise. Doubled, noise would be taken for
-// motion, and numbers be wrong: beside noise as large as the table's motion, seven of 32 sound rigs had a
-// coefficient 4 … 9 u off.
+// Largest TableActivity::scatter of a table that moves. 200 readings of noise alone span 5.5 standard deviations, so
+// that one of them over half the span is 0.36; 0.25 is a span of eight. The cubic misses part of a sine: read five
+// times a period it has 0.24 … 0.25, read six times 0.13 … 0.15. With half the limit the latter would pass for noise.
+// Without the limit, beside noise of 0.8 … 1.8 times the table's amplitude, seven of 32 sound rigs had a coefficient
+// 4 … 9 u off.
 inline constexpr double kScatterOfNoise = 0.25;
 
 // data: by time. noise: per channel, SI. Allocates; thread-safe. O(readings), and O(m log m) of m half periods.

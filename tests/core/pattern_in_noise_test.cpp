@@ -41,7 +41,7 @@ TEST(PatternInNoise, SaysThatTheTablesReadingsErrInAPattern) {
     ASSERT_EQ(wrong.patterns.size(), 1U) << draw << " " << wrong.reason;
     EXPECT_EQ(wrong.patterns[0].channel, "y0");
     const std::string words =
-        words_of_pattern(wrong.patterns[0]) + ". The ± here is wider for it; that of the dwell is not";
+        words_of_pattern(wrong.patterns[0]) + ". These ± are wider for it. Those of the dwell are not";
     EXPECT_EQ(words.find("the readings of y0 err in a pattern, by "), 0U) << words;
     EXPECT_NE(std::find(wrong.warnings.begin(), wrong.warnings.end(), words), wrong.warnings.end()) << draw;
     for (std::size_t e = 0; e < wrong.elements.size(); ++e) {

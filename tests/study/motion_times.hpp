@@ -18,9 +18,8 @@ struct MotionTimes {
 };
 
 // The table is taken as known up to amplitude and phase of its harmonics, frequency, offset and start. A case whose
-// drive begins with the recording. The bound is
-// looked for in steps of 5 % of the time. From it on estimates are made in steps of 15 %, and within the last of these
-// steps in steps of 5 %.
+// drive begins with the recording. The bound is looked for in steps of 5 % of the time. From it on estimates are made
+// in steps of 15 %, and within the last of these in steps of 5 %.
 [[nodiscard]] MotionTimes play_times(const Case& about);
 
 }  // namespace dwell::study
