@@ -119,6 +119,18 @@ export class Bench {
   }
 }
 
+// Options of Bench.begin() for the clamped bench played from a recording that rigsim made with these options: whatever
+// the computer is busy with meanwhile, the readings and their instants are the same.
+export async function recordingOf(options) {
+  const csv = (await promisify(execFile)(join(BIN, 'rigsim'), ['--unit', 'mm', '--noise', '0.001', '--rate', '200', '--csv', '-', ...options], { maxBuffer: 1e8 })).stdout;
+  const played = '[[device]]\nname = "amplifier"\ndriver = "replay"\nfile = "recording.csv"\n\n';
+  const wired = /^(device|station|table|register|type|order) .*\n/gm;
+  return {
+    edit: (text) => text.slice(0, text.indexOf('[[device]]')) + played + text.slice(text.indexOf('[[channel]]')).replace(wired, ''),
+    files: { 'recording.csv': csv },
+  };
+}
+
 // Options of Bench.begin() for a clamped chain of so many equal masses: a channel on the table, one on each, and the load
 // cell. It settles within 30 s.
 export function chainOf(masses) {
