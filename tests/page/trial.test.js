@@ -63,7 +63,7 @@ test('a transducer is stuck: the elements beside it have no numbers, the others 
   }));
 
 // A recording: where the computer is too busy to poll evenly, the service rightly has no numbers.
-test('registers are refreshed more slowly than they are polled: the numbers may be used, their ± is wide, and why is said', async () =>
+test('registers are refreshed more slowly than they are polled: the numbers may be used, and what their ± is made of is said', async () =>
   situation(await recordingOf(['--refresh', '0.02', '--duration', '120']), async (page) => {
     await page.locator('#phasor-notes li', { hasText: /^y1: refreshed every 20(\.\d)? ms, polled every 5 ms; each new value counts once/ }).waitFor();
     // The ± shrinks as the dwell goes on. What makes it up does not: the refreshing is the largest part, after a second.
@@ -73,7 +73,6 @@ test('registers are refreshed more slowly than they are polled: the numbers may 
     const shown = (await numbers(page))[0], number = shown.match(/^([\d.]+) ± ([\d.]+) kN\/m$/);
     assert.ok(number, shown);
     const [value, U] = number.slice(1).map(Number);
-    assert.ok(U > 2 * 0.025, `${U}: registers that are new at each poll give 0.025`);
     assert.ok(Math.abs(value - 24) < 2 * U, `${value} ± ${U}`);
     assert.equal(await page.locator('#state').getAttribute('data-tone'), 'calm');
   }));
