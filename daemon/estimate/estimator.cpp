@@ -1,11 +1,15 @@
 #include "daemon/estimate/estimator.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace dwell {
 namespace {
 
+// Records that are taken together: 160 kB, and 64 readings of each of 64 channels, the longest run that is judged at
+// once (plain_run.hpp).
+constexpr std::size_t kTogether = 4096;
 constexpr std::size_t kSpare = 4096;  // room in the merger for ticks, actions and states beside the samples
 
 // Of each source.
@@ -36,6 +40,7 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
       cycle_(rig, options.runs, KeptDwells(options.kept_dwells, options.kept_bytes), options.long_work,
              [this](RunEvent event) { publisher_.tell(std::move(event)); }),
       next_publish_ns_(now_ns) {
+  ready_.reserve(kTogether);
   devices_.reserve(devices.size());
   for (DeviceFeed& device : devices)
     devices_.emplace_back(devices_.size(), std::move(device), rig_, assembler_, options.hold_back_ns, log, now_ns);
@@ -53,7 +58,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   take_actions(now_ns);
   for (DeviceIntake& device : devices_) device.account(now_ns);
   assembler_.tick(now_ns);
-  for (Record record; assembler_.next(record);) take(record);
+  while (gather_ready()) take_ready();
   settle();
   if (now_ns >= next_publish_ns_) {
     const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
@@ -101,15 +106,29 @@ void Estimator::take_actions(std::int64_t now_ns) {
   }
 }
 
-// The next record of the stream, as merged.
-void Estimator::take(const Record& record) {
-  if (traces_ != nullptr) traces_->take(record);
-  cycle_.take(record);
+// The next records of the stream, as merged; false: none may be released yet.
+bool Estimator::gather_ready() {
+  ready_.clear();
+  for (Record record; ready_.size() < kTogether && assembler_.next(record);) ready_.push_back(record);
+  return !ready_.empty();
+}
+
+void Estimator::take_ready() {
+  if (traces_ != nullptr)
+    for (const Record& record : ready_) traces_->take(record);
+  for (std::span<const Record> left(ready_); !left.empty();) {
+    std::size_t taken = cycle_.take_samples(left);
+    if (taken == 0) cycle_.take(left[taken++]);
+    left = left.subspan(taken);
+  }
 }
 
 // Everything, without waiting for anybody.
 void Estimator::release() {
-  for (Record record; assembler_.flush(record);) take(record);
+  for (Record record; assembler_.flush(record);) {
+    if (traces_ != nullptr) traces_->take(record);
+    cycle_.take(record);
+  }
 }
 
 void Estimator::settle() {

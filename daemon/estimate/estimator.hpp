@@ -82,7 +82,8 @@ class Estimator {
   bool ask(Kind kind, std::uint8_t flags, std::uint16_t request) noexcept {
     return actions_.push({.channel = request, .kind = kind, .flags = flags});
   }
-  void take(const Record& record);
+  bool gather_ready();
+  void take_ready();
   void release();
   void settle();
   void publish(std::int64_t now_ns);
@@ -95,6 +96,7 @@ class Estimator {
   Publisher publisher_;
   RunCycle cycle_;
   boost::lockfree::spsc_queue<Record, boost::lockfree::capacity<kActions>> actions_;  // t_ns is not filled in yet
+  std::vector<Record> ready_;                                                         // of the stream, storage
   std::int64_t next_publish_ns_;
   std::uint64_t skipped_ = 0;
 };

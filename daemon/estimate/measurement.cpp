@@ -13,6 +13,12 @@ void Measurement::take(const Record& record) {
   note(pipeline_.push(record));
 }
 
+std::size_t Measurement::take_samples(std::span<const Record> records) noexcept {
+  const std::size_t n = pipeline_.push_in_block(records);
+  taken_ += n;
+  return n;
+}
+
 void Measurement::finish() {
   for (std::uint8_t change = pipeline_.flush(); change != kNothing; change = pipeline_.flush()) note(change);
   note(pipeline_.finish());

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/dwell/paced_pipeline.hpp"
@@ -29,6 +30,9 @@ class Measurement {
 
   // The next record of the ordered stream.
   void take(const Record& record);
+  // Takes the samples and ticks that `records` begins with, up to where a dwell may end or the state change. Returns
+  // how many; 0: take() must take the next one. Costs less than take().
+  [[nodiscard]] std::size_t take_samples(std::span<const Record> records) noexcept;
   // How many records have been taken.
   [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }
   // The end of the run: what waits is done, the current dwell completes.

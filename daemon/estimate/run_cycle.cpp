@@ -61,6 +61,21 @@ void RunCycle::take(const Record& record) {
   if (bracketed_) follow_course();
 }
 
+// Then there is one pipeline, and follow_course() has nothing to do.
+std::size_t RunCycle::take_samples(std::span<const Record> records) {
+  RunPipeline& shown = *live_.front();
+  if (!run_.on || !shown.sees_drive()) return 0;
+  const std::size_t n = shown.take_samples(records.first(tap_.until_look(records)));
+  if (n == 0) return 0;
+  for (const Record& record : records.first(n)) {
+    tap_.record(record);
+    accounts_.give(record);
+  }
+  newest_ns_ = records[n - 1].t_ns;
+  tap_.look(shown, newest_ns_);
+  return n;
+}
+
 void RunCycle::finish(std::int64_t t_ns) {
   newest_ns_ = std::max(newest_ns_, t_ns);
   if (run_.on) return end(EndOfRun::service_stops, 0);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/rig/rig.hpp"
@@ -31,6 +32,8 @@ class RunPipeline {
 
   // The next record of the stream; the first is RunEdge::armed.
   void take(const Record& record);
+  // Takes the samples and ticks that `records` begins with; see Measurement::take_samples().
+  [[nodiscard]] std::size_t take_samples(std::span<const Record> records) noexcept;
   // The end of the run: what waits is done, the current dwell completes.
   void finish() { measurement_.finish(); }
 
@@ -55,6 +58,9 @@ class RunPipeline {
   [[nodiscard]] std::unique_ptr<ModelWork> release_model() noexcept { return std::move(model_); }
 
  private:
+  void show_model(const Record& record, std::uint64_t position) noexcept;
+  void note_state(std::int64_t t_ns) noexcept;
+
   Measurement measurement_;
   std::unique_ptr<ModelWork> model_;
   std::vector<std::uint64_t> samples_before_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "daemon/estimate/run_pipeline.hpp"
@@ -23,6 +24,13 @@ class RunTap {
   }
   // A run begins with this record: the first look is due once `every_s` has passed.
   void begin(std::int64_t t_ns) noexcept { next_ns_ = t_ns + every_ns_; }
+  // How many of these records come until a look is due, the one at which it is among them; at most all.
+  [[nodiscard]] std::size_t until_look(std::span<const Record> records) const noexcept {
+    if (sink_ == nullptr) return records.size();
+    const auto due = [this](const Record& record) { return record.t_ns >= next_ns_; };
+    const auto at = std::find_if(records.begin(), records.end(), due);
+    return static_cast<std::size_t>(at - records.begin()) + (at != records.end() ? 1 : 0);
+  }
   // The run's pipeline has taken the record of t_ns. While it is busy with a long piece of work, the look waits.
   void look(RunPipeline& run, std::int64_t t_ns) {
     if (sink_ == nullptr || t_ns < next_ns_ || run.measurement().busy()) return;

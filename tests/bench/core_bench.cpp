@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "core/chain/identify.hpp"
@@ -100,17 +101,45 @@ void device_clock(benchmark::State& state) {
 }
 BENCHMARK(device_clock)->Arg(1)->Arg(8);
 
-// Every sample through the merger and the pipeline, as in the service.
+// Every sample through the merger and the pipeline as in the service: the records of each turn of 10 ms are merged, and
+// taken together within a block.
+class Turns {
+ public:
+  explicit Turns(Pipeline& pipeline) : pipeline_(pipeline), merger_(2, 100'000'000, 4096) {}
+
+  void play(const std::vector<Record>& records, std::int64_t later_ns) {
+    for (Record record : records) {
+      record.t_ns += later_ns;
+      merger_.push(record.channel & 1, record);
+      if (++pushed_ % kTurn == 0) take();
+    }
+  }
+
+ private:
+  static constexpr std::size_t kTurn = 10 * kChannels;  // records
+
+  void take() {
+    ready_.clear();
+    for (Record out; merger_.pop(out);) ready_.push_back(out);
+    for (std::span<const Record> left(ready_); !left.empty();) {
+      std::size_t taken = pipeline_.push_in_block(left);
+      if (taken == 0) pipeline_.push(left[taken++]);
+      left = left.subspan(taken);
+    }
+  }
+
+  Pipeline& pipeline_;
+  Merger merger_;
+  std::vector<Record> ready_;
+  std::size_t pushed_ = 0;
+};
+
 void pipeline(benchmark::State& state) {
   SteadyRig source;
   const std::vector<Record> records = minute_of(source);
   for (auto _ : state) {
     Pipeline pipeline(source.rig());
-    Merger merger(2, 100'000'000, 4096);
-    for (const Record& record : records) {
-      merger.push(record.channel & 1, record);
-      for (Record out; merger.pop(out);) pipeline.push(out);
-    }
+    Turns(pipeline).play(records, 0);
     if (pipeline.state() != State::measuring) state.SkipWithError("the rig has not settled");
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * records.size()));
@@ -119,21 +148,14 @@ BENCHMARK(pipeline)->Unit(benchmark::kMillisecond);
 
 // The same where nothing is left of the transient: the minutes after the first.
 void later_minutes(benchmark::State& state, std::int64_t jitter_ns) {
+  constexpr std::int64_t kMinute_ns = 60'000'000'000;
   SteadyRig source;
   const std::vector<Record> records = minute_of(source, jitter_ns);
   Pipeline pipeline(source.rig());
-  Merger merger(2, 100'000'000, 4096);
-  std::int64_t minute_ns = 0;
-  const auto play = [&] {
-    for (Record record : records) {
-      record.t_ns += minute_ns;
-      merger.push(record.channel & 1, record);
-      for (Record out; merger.pop(out);) pipeline.push(out);
-    }
-    minute_ns += 60'000'000'000;
-  };
-  play();
-  for (auto _ : state) play();
+  Turns turns(pipeline);
+  std::int64_t minutes = 0;
+  turns.play(records, kMinute_ns * minutes++);
+  for (auto _ : state) turns.play(records, kMinute_ns * minutes++);
   if (pipeline.state() != State::measuring) state.SkipWithError("the rig is not measured");
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * records.size()));
 }
