@@ -12,6 +12,7 @@
 #include "daemon/clock.hpp"
 #include "daemon/record/audit.hpp"
 #include "daemon/record/file_name.hpp"
+#include "daemon/record/record_ring.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "tests/record/recorded_rig.hpp"
 #include "tests/record/scratch.hpp"
@@ -238,41 +239,74 @@ TEST_F(RecorderTest, ARunsHeadArrivesWhereItIsAnchored) {
   EXPECT_EQ(audit->state, AuditState::intact) << audit->where;
 }
 
-// The disk hangs, as it were: the recorder's thread is held up within a message of its own.
-TEST_F(RecorderTest, EventsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
+// The disk hangs, as it were: the recorder's thread is held up within a message of its own, as it begins to record.
+struct HeldRecorder {
+  HeldRecorder(const std::string& directory, Notices& notices)
+      : recorder([&] {
+          RecorderOptions options = recorder_options(directory, notices);
+          options.tell = [this, tell = options.tell](const Notice& notice) {
+            tell(notice);
+            if (notice.text.rfind("recording run 1", 0) != 0) return;
+            held.set_value();
+            released.wait();
+          };
+          return options;
+        }()) {}
+
   std::promise<void> held, goes_on;
   std::future<void> released = goes_on.get_future();
-  RecorderOptions options = recorder_options(scratch.path(), notices);
-  options.tell = [&, tell = options.tell](const Notice& notice) {
-    tell(notice);
-    if (notice.text.rfind("recording run 1", 0) != 0) return;
-    held.set_value();
-    released.wait();
-  };
+  Recorder recorder;
+};
+
+[[nodiscard]] std::vector<std::string> event_texts(const std::string& file) {
+  std::vector<std::string> texts;
+  auto reader = RunReader::open(file);
+  if (!reader || !reader->events([&](const StoredEvent& event) { return texts.push_back(event.text), true; }))
+    ADD_FAILURE() << file;
+  return texts;
+}
+
+TEST_F(RecorderTest, EventsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
   {
-    Recorder recorder(options);
-    SyntheticStream stream = stream_to(recorder);
+    HeldRecorder held(scratch.path(), notices);
+    SyntheticStream stream = stream_to(held.recorder);
     stream.starts();
-    held.get_future().wait();
+    held.held.get_future().wait();
     for (std::size_t i = 1; i <= Recorder::kInbox + 44; ++i) {
       StoredEvent event;
       event.what = "state";
       event.text = "change " + std::to_string(i);
-      recorder.event(std::move(event));
+      held.recorder.event(std::move(event));
     }
-    goes_on.set_value();
-    ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).lost_events == 44; }));
+    held.goes_on.set_value();
+    ASSERT_TRUE(eventually([&] { return held.recorder.state(raw_now_ns()).lost_events == 44; }));
     stream.play(1.5);
   }
   const std::string said = "44 events are lost: more than 256 waited for the recorder";
   EXPECT_TRUE(notices.hold(said)) << notices.text();
-  auto reader = RunReader::open(files().at(0));
-  ASSERT_TRUE(reader) << reader.error();
-  std::vector<std::string> texts;
-  ASSERT_TRUE(reader->events([&](const StoredEvent& event) { return texts.push_back(event.text), true; }));
+  const std::vector<std::string> texts = event_texts(files().at(0));
   ASSERT_EQ(texts.size(), Recorder::kInbox + 1);
   EXPECT_EQ(texts[Recorder::kInbox - 1], "change 256");
   EXPECT_EQ(texts.back(), said) << "where they are missing";
+}
+
+TEST_F(RecorderTest, ResultsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
+  {
+    HeldRecorder held(scratch.path(), notices);
+    SyntheticStream stream = stream_to(held.recorder);
+    stream.starts();
+    held.held.get_future().wait();
+    for (std::size_t i = 0; i < RecordRing::kResults + 7; ++i)
+      held.recorder.result(stream.position(), false, std::make_shared<const Dwell>());
+    held.goes_on.set_value();
+    ASSERT_TRUE(eventually([&] { return held.recorder.state(raw_now_ns()).lost_results == 7; }));
+    stream.play(1.5);
+  }
+  const std::string said = "7 results are lost: more than 256 waited for the recorder";
+  EXPECT_TRUE(notices.hold(said)) << notices.text();
+  const std::vector<std::string> texts = event_texts(files().at(0));
+  ASSERT_EQ(texts.size(), 1U);
+  EXPECT_EQ(texts.front().rfind(said, 0), 0U) << texts.front();
 }
 
 }  // namespace
