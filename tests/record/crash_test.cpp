@@ -9,10 +9,13 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <new>
 #include <random>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "daemon/clock.hpp"
 #include "daemon/record/audit.hpp"
@@ -24,6 +27,9 @@
 
 namespace dwell::record {
 namespace {
+
+constexpr int kChannels = 8;
+constexpr double kRate_hz = 1000.0;
 
 int asked_for(const char* variable, int otherwise) {
   const char* const asked = std::getenv(variable);
@@ -56,11 +62,11 @@ class SharedWords {
   LastWords* words_;
 };
 
-// Records eight channels at 1 kHz until it is killed.
+// Records until it is killed.
 [[noreturn]] void record_until_killed(const std::string& directory, LastWords& words) {
   Notices notices;
   Recorder recorder(recorder_options(directory, notices));
-  SyntheticStream stream(8, 1000.0, [&](const Record& record) { recorder.record(record); });
+  SyntheticStream stream(kChannels, kRate_hz, [&](const Record& record) { recorder.record(record); });
   stream.starts();
   words.begun_ns = stream.t_ns();
   const auto began = std::chrono::steady_clock::now();
@@ -86,6 +92,24 @@ std::string newest_run(const std::string& directory) {
     }
   }
   return newest;
+}
+
+// Where what the file holds departs from the beginning of what was handed over, records compared byte by byte; empty:
+// nowhere.
+std::string departs(RunReader& reader, std::int64_t age_ns) {
+  std::vector<Record> handed;
+  SyntheticStream stream(kChannels, kRate_hz, [&](const Record& record) { handed.push_back(record); });
+  stream.starts();
+  stream.play(1e-9 * static_cast<double>(age_ns) + 0.1);
+  std::size_t same = 0;
+  bool departed = false;
+  const auto read = reader.stream([&](const Record& record) {
+    departed = same == handed.size() || std::memcmp(&record, &handed[same], sizeof record) != 0;
+    same += departed ? 0 : 1;
+    return !departed;
+  });
+  if (!read) return read.error();
+  return departed ? "record " + std::to_string(same + 1) + " is not the one that was handed over" : "";
 }
 
 int kills() { return asked_for("DWELL_KILLS", 20); }
@@ -124,10 +148,11 @@ TEST(Crash, AKilledServiceLeavesEverythingOlderThanTwoSecondsInAFileThatAuditsAs
     const auto audit = audit_run(file, {});
     ASSERT_TRUE(audit) << audit.error();
     EXPECT_NE(audit->state, AuditState::tampered) << "kill " << kill_number << ": " << audit->where;
-    const auto reader = RunReader::open(file);
+    auto reader = RunReader::open(file);
     const std::int64_t held_ns = reader ? reader->end_ns() : words->begun_ns.load();
     const std::int64_t lost_ns = words->reached_ns - held_ns;
     EXPECT_LE(lost_ns, allowed_ns) << "kill " << kill_number << " " << (reader ? "" : reader.error());
+    EXPECT_EQ(reader ? departs(*reader, age_ns) : "", "") << "kill " << kill_number;
     worst_ns = std::max(worst_ns, lost_ns);
     ++recorded;
   }

@@ -1,4 +1,4 @@
-// What a loss of power leaves of a recording. Three steps, of which tests/vm/scenarios/71-power.sh makes a test:
+// What a loss of power leaves of a recording. Three steps, of which tests/vm/scenarios/72-power.sh makes a test:
 //
 //   power_cuts record DIRECTORY DEVICE CUTS SEED   records runs in DIRECTORY; at CUTS random instants marks the log of
 //                                                  the device-mapper device DEVICE under it, and prints what was
@@ -262,14 +262,12 @@ std::int64_t check_runs(const Recorded& recorded, const std::string& directory, 
   return worst_ns;
 }
 
-// A run enters the ledger before it has a file. Of one that was cut off in between the next start tells, so only then
-// no run may be missing.
+// A run has its file before it enters the ledger, so none is ever missing.
 void check_ledger(const std::string& directory, bool started, Findings& findings) {
   const char* const when = started ? "after the next start: " : "at the cut: ";
   const auto ledger = audit_ledger(directory + "/ledger.dwell-ledger", directory, {});
   if (!ledger) return findings.add(when + ledger.error());
   if (!ledger->unbroken) findings.add(when + ("the ledger: " + ledger->where));
-  if (!started) return;
   for (const std::string& missing : ledger->missing) findings.add(when + ("missing: " + missing));
 }
 
