@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/result/dwell.hpp"
@@ -60,6 +61,11 @@ class RecordRing {
   void drain(const Reader& reader);
 
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
+  // How many results were lost since this was called last. Bound to the recorder's thread.
+  [[nodiscard]] std::uint64_t take_lost_results() noexcept {
+    const std::uint64_t before = std::exchange(told_results_, lost_results());
+    return told_results_ - before;
+  }
   // Share of the ring in use, 0 … 1. Bound to the recorder's thread.
   [[nodiscard]] double fill() const;
   // Since the start.
@@ -74,10 +80,11 @@ class RecordRing {
   boost::lockfree::spsc_queue<Record> records_;
   boost::lockfree::spsc_queue<RingResult, boost::lockfree::capacity<kResults>> results_;
   std::atomic<std::uint64_t> lost_{0}, lost_results_{0};
-  std::uint64_t pending_gap_ = 0;  // the estimation thread: dropped records whose gap is not sent yet
-  std::uint64_t pushed_ = 0;       // the estimation thread: records in the ring so far, gaps among them
-  std::uint64_t popped_ = 0;       // the recorder's thread
-  std::vector<Record> batch_;      // the recorder's thread
+  std::uint64_t pending_gap_ = 0;   // the estimation thread: dropped records whose gap is not sent yet
+  std::uint64_t pushed_ = 0;        // the estimation thread: records in the ring so far, gaps among them
+  std::uint64_t popped_ = 0;        // the recorder's thread
+  std::uint64_t told_results_ = 0;  // the recorder's thread: lost results that take_lost_results() has returned
+  std::vector<Record> batch_;       // the recorder's thread
 };
 
 }  // namespace dwell::record

@@ -103,7 +103,6 @@ struct Recorder::Impl {
   RunLog log;
   ListedRun recorded;              // the run that is recorded
   std::uint16_t newest_start = 0;  // RecorderState
-  std::uint64_t told_results = 0;  // how many lost ones have been told of
   Readiness readiness{folder, log, tell};
   // … to here.
   std::atomic<bool> restart{false};
@@ -165,7 +164,8 @@ struct Recorder::Impl {
                     log.model(result.position, result.model);
                 },
                 [this](std::uint64_t lost) { log.gap(lost); }});
-    tell_lost_results();
+    if (const std::uint64_t lost = ring.take_lost_results(); lost > 0)
+      tell_loss(std::to_string(lost) + " results are lost: the recorder fell behind");
     log.caught_up();
     // Is it the disk, and how much room is missing?
     if (recorded_before && !log.stopped().empty() && readiness.look(now))
@@ -203,15 +203,6 @@ struct Recorder::Impl {
     if (mail.lost > 0)
       tell_loss(std::to_string(mail.lost) + " events are lost: more than " + std::to_string(kInbox) +
                 " waited for the recorder");
-  }
-
-  // Those that found no room since this was called last.
-  void tell_lost_results() {
-    const std::uint64_t lost = ring.lost_results() - told_results;
-    if (lost == 0) return;
-    told_results += lost;
-    tell_loss(std::to_string(lost) + " results are lost: more than " + std::to_string(RecordRing::kResults) +
-              " waited for the recorder, or the records before them are lost");
   }
 
   void tell_loss(std::string text) {

@@ -44,7 +44,7 @@ INDIRECT = {
     ],
     "daemon/record/recorder.cpp": [
         ("event.text", "error", "daemon/record/recorder.cpp", " events are lost: more than "),
-        ("event.text", "error", "daemon/record/recorder.cpp", " results are lost: more than "),
+        ("event.text", "error", "daemon/record/recorder.cpp", " results are lost: the recorder fell behind"),
         ("failure", "error", "daemon/record/run_folder.cpp", " could not be closed: "),
     ],
     "daemon/record/run_deleter.cpp": [

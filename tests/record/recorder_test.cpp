@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <optional>
 #include <thread>
 
 #include "daemon/clock.hpp"
@@ -239,23 +240,33 @@ TEST_F(RecorderTest, ARunsHeadArrivesWhereItIsAnchored) {
   EXPECT_EQ(audit->state, AuditState::intact) << audit->where;
 }
 
-// The disk hangs, as it were: the recorder's thread is held up within a message of its own, as it begins to record.
-struct HeldRecorder {
-  HeldRecorder(const std::string& directory, Notices& notices)
-      : recorder([&] {
-          RecorderOptions options = recorder_options(directory, notices);
-          options.tell = [this, tell = options.tell](const Notice& notice) {
-            tell(notice);
-            if (notice.text.rfind("recording run 1", 0) != 0) return;
-            held.set_value();
-            released.wait();
-          };
-          return options;
-        }()) {}
+// A recorder whose thread is held up as it begins to record, as by a disk that hangs.
+class HeldRecorder {
+ public:
+  HeldRecorder(const std::string& directory, Notices& notices) {
+    RecorderOptions options = recorder_options(directory, notices);
+    options.tell = [this, tell = options.tell](const Notice& notice) {
+      tell(notice);
+      if (notice.text.rfind("recording run 1", 0) != 0) return;
+      held_.set_value();
+      released_.wait();
+    };
+    recorder_.emplace(options);
+  }
+  // Calls act() while the thread is held up. Call it once, after the run has started.
+  template <class Act>
+  void meanwhile(const Act& act) {
+    held_.get_future().wait();
+    act();
+    goes_on_.set_value();
+  }
+  Recorder& operator*() { return *recorder_; }
+  Recorder* operator->() { return &*recorder_; }
 
-  std::promise<void> held, goes_on;
-  std::future<void> released = goes_on.get_future();
-  Recorder recorder;
+ private:
+  std::promise<void> held_, goes_on_;
+  std::future<void> released_ = goes_on_.get_future();
+  std::optional<Recorder> recorder_;
 };
 
 [[nodiscard]] std::vector<std::string> event_texts(const std::string& file) {
@@ -268,18 +279,18 @@ struct HeldRecorder {
 
 TEST_F(RecorderTest, EventsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
   {
-    HeldRecorder held(scratch.path(), notices);
-    SyntheticStream stream = stream_to(held.recorder);
+    HeldRecorder recorder(scratch.path(), notices);
+    SyntheticStream stream = stream_to(*recorder);
     stream.starts();
-    held.held.get_future().wait();
-    for (std::size_t i = 1; i <= Recorder::kInbox + 44; ++i) {
-      StoredEvent event;
-      event.what = "state";
-      event.text = "change " + std::to_string(i);
-      held.recorder.event(std::move(event));
-    }
-    held.goes_on.set_value();
-    ASSERT_TRUE(eventually([&] { return held.recorder.state(raw_now_ns()).lost_events == 44; }));
+    recorder.meanwhile([&] {
+      for (std::size_t i = 1; i <= Recorder::kInbox + 44; ++i) {
+        StoredEvent event;
+        event.what = "state";
+        event.text = "change " + std::to_string(i);
+        recorder->event(std::move(event));
+      }
+    });
+    ASSERT_TRUE(eventually([&] { return recorder->state(raw_now_ns()).lost_events == 44; }));
     stream.play(1.5);
   }
   const std::string said = "44 events are lost: more than 256 waited for the recorder";
@@ -292,21 +303,21 @@ TEST_F(RecorderTest, EventsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
 
 TEST_F(RecorderTest, ResultsThatFindNoRoomAreCountedInTheRunAndInTheLog) {
   {
-    HeldRecorder held(scratch.path(), notices);
-    SyntheticStream stream = stream_to(held.recorder);
+    HeldRecorder recorder(scratch.path(), notices);
+    SyntheticStream stream = stream_to(*recorder);
     stream.starts();
-    held.held.get_future().wait();
-    for (std::size_t i = 0; i < RecordRing::kResults + 7; ++i)
-      held.recorder.result(stream.position(), false, std::make_shared<const Dwell>());
-    held.goes_on.set_value();
-    ASSERT_TRUE(eventually([&] { return held.recorder.state(raw_now_ns()).lost_results == 7; }));
+    recorder.meanwhile([&] {
+      for (std::size_t i = 0; i < RecordRing::kResults + 7; ++i)
+        recorder->result(stream.position(), false, std::make_shared<const Dwell>());
+    });
+    ASSERT_TRUE(eventually([&] { return recorder->state(raw_now_ns()).lost_results == 7; }));
     stream.play(1.5);
   }
-  const std::string said = "7 results are lost: more than 256 waited for the recorder";
+  const std::string said = "7 results are lost: the recorder fell behind";
   EXPECT_TRUE(notices.hold(said)) << notices.text();
   const std::vector<std::string> texts = event_texts(files().at(0));
   ASSERT_EQ(texts.size(), 1U);
-  EXPECT_EQ(texts.front().rfind(said, 0), 0U) << texts.front();
+  EXPECT_EQ(texts.front(), said);
 }
 
 }  // namespace
