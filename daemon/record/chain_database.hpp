@@ -13,7 +13,7 @@ namespace dwell::record {
 // second, rewrites about three pages.
 inline constexpr int kPageBytes = 16384;
 
-// Whether SQLite waits for the disk. Without waits, whoever calls it does.
+// SQLite waits for the disk at each commit; it does not, and its caller must.
 inline constexpr const char* kWaits = "PRAGMA synchronous = FULL";
 inline constexpr const char* kNoWaits = "PRAGMA synchronous = OFF";
 

@@ -14,6 +14,7 @@ namespace {
 
 // Frames of the log after which its pages go into the database: 16 MB, some seconds of the largest rig.
 constexpr int kCheckpointFrames = 1000;
+// The longest log that a reader takes. Then it is moved even while somebody reads, whose reading fails.
 constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / kPageBytes);
 
 }  // namespace

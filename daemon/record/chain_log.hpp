@@ -1,7 +1,7 @@
 // The log (-wal) beside a chain's database: when its pages go into the database, and what waits for the disk.
 //
-// SQLite alone would wait for the disk twice or more at each of these steps. The ledger's next entries wait meanwhile,
-// so it is told to wait for nothing there, and what must survive a loss of power is waited for here.
+// SQLite alone would wait for the disk twice or more at each of these steps, and the ledger's next entries would wait
+// as long. So SQLite is told not to wait there. The log waits itself, no more often than a loss of power asks for.
 #pragma once
 
 #include <sqlite3.h>
@@ -24,8 +24,8 @@ class ChainLog {
   // The connection; it must be closed before this goes.
   void attach(sqlite3* database);
 
-  // A transaction has failed: its frames may follow the log's end.
-  void is_stale() noexcept { stale_ = true; }
+  // A transaction has failed: its frames may follow the log's end, until the log is moved into the database.
+  void mark_stale() noexcept { stale_ = true; }
   // Right after a transaction, before it counts: waits for the disk where SQLite has not. false: broken() says why.
   [[nodiscard]] bool synchronize();
   // After a transaction that counts: moves the log into the database if it is long enough, as merge() does.

@@ -73,7 +73,7 @@ struct ChainWriter::Impl {
   void roll_back() {
     // Cannot fail: a failure of SQLite's own has rolled back already.
     if (database && sqlite3_get_autocommit(database.get()) == 0) (void)execute(database.get(), "ROLLBACK");
-    if (pending.seq != committed.seq) log.is_stale();
+    if (pending.seq != committed.seq) log.mark_stale();
     pending = committed;
   }
 

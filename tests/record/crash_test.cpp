@@ -94,8 +94,8 @@ std::string newest_run(const std::string& directory) {
   return newest;
 }
 
-// Where what the file holds departs from the beginning of what was handed over, records compared byte by byte; empty:
-// nowhere.
+// Compares the file's records byte by byte with those that were handed over within age_ns. Returns which one is the
+// first to differ; empty: none.
 std::string departs(RunReader& reader, std::int64_t age_ns) {
   std::vector<Record> handed;
   SyntheticStream stream(kChannels, kRate_hz, [&](const Record& record) { handed.push_back(record); });

@@ -1,4 +1,4 @@
-// What a loss of power leaves of a recording. Three steps, of which tests/vm/scenarios/72-power.sh makes a test:
+// A recording loses its power, and what is left is checked. tests/vm/scenarios/72-power.sh runs the three steps:
 //
 //   power_cuts record DIRECTORY DEVICE CUTS SEED   records runs in DIRECTORY; at CUTS random instants marks the log of
 //                                                  the device-mapper device DEVICE under it, and prints what was
