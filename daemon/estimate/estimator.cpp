@@ -4,12 +4,14 @@
 #include <span>
 #include <utility>
 
+#include "core/intake/plain_run.hpp"
+
 namespace dwell {
 namespace {
 
-// Records that are taken together: 160 kB, and 64 readings of each of 64 channels, the longest run that is judged at
-// once (plain_run.hpp).
-constexpr std::size_t kTogether = 4096;
+// Records of the stream that are handed on together, at most: the longest run that is judged at once (PlainRun::kMost)
+// of each of 64 channels. They take 128 KiB.
+constexpr std::size_t kTogether = 64 * PlainRun::kMost;
 constexpr std::size_t kSpare = 4096;  // room in the merger for ticks, actions and states beside the samples
 
 // Of each source.
@@ -58,7 +60,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   take_actions(now_ns);
   for (DeviceIntake& device : devices_) device.account(now_ns);
   assembler_.tick(now_ns);
-  while (gather_ready()) take_ready();
+  while (gather(&Assembler::next)) hand_on();
   settle();
   if (now_ns >= next_publish_ns_) {
     const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
@@ -106,14 +108,13 @@ void Estimator::take_actions(std::int64_t now_ns) {
   }
 }
 
-// The next records of the stream, as merged; false: none may be released yet.
-bool Estimator::gather_ready() {
+bool Estimator::gather(bool (Assembler::*next)(Record&) noexcept) {
   ready_.clear();
-  for (Record record; ready_.size() < kTogether && assembler_.next(record);) ready_.push_back(record);
+  for (Record record; ready_.size() < kTogether && (assembler_.*next)(record);) ready_.push_back(record);
   return !ready_.empty();
 }
 
-void Estimator::take_ready() {
+void Estimator::hand_on() {
   if (traces_ != nullptr)
     for (const Record& record : ready_) traces_->take(record);
   for (std::span<const Record> left(ready_); !left.empty();) {
@@ -125,10 +126,7 @@ void Estimator::take_ready() {
 
 // Everything, without waiting for anybody.
 void Estimator::release() {
-  for (Record record; assembler_.flush(record);) {
-    if (traces_ != nullptr) traces_->take(record);
-    cycle_.take(record);
-  }
+  while (gather(&Assembler::flush)) hand_on();
 }
 
 void Estimator::settle() {

@@ -82,8 +82,10 @@ class Estimator {
   bool ask(Kind kind, std::uint8_t flags, std::uint16_t request) noexcept {
     return actions_.push({.channel = request, .kind = kind, .flags = flags});
   }
-  bool gather_ready();
-  void take_ready();
+  // Puts the records into ready_ that the assembler gives next, by next() or flush(); false: it gives none.
+  bool gather(bool (Assembler::*next)(Record&) noexcept);
+  // Hands the records of ready_ to the traces and the runs.
+  void hand_on();
   void release();
   void settle();
   void publish(std::int64_t now_ns);
@@ -95,8 +97,8 @@ class Estimator {
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;
   RunCycle cycle_;
+  std::vector<Record> ready_;  // of the stream, merged and not handed on yet
   boost::lockfree::spsc_queue<Record, boost::lockfree::capacity<kActions>> actions_;  // t_ns is not filled in yet
-  std::vector<Record> ready_;                                                         // of the stream, storage
   std::int64_t next_publish_ns_;
   std::uint64_t skipped_ = 0;
 };

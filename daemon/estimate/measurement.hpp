@@ -30,8 +30,8 @@ class Measurement {
 
   // The next record of the ordered stream.
   void take(const Record& record);
-  // Takes the samples and ticks that `records` begins with, up to where a dwell may end or the state change. Returns
-  // how many; 0: take() must take the next one. Costs less than take().
+  // Takes samples and ticks from the front of `records`, as take() would one by one. Stops where a dwell may end or
+  // the state change. Returns how many it took; 0: take() must take the next one. Costs less than take().
   [[nodiscard]] std::size_t take_samples(std::span<const Record> records) noexcept;
   // How many records have been taken.
   [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }

@@ -61,7 +61,7 @@ void RunCycle::take(const Record& record) {
   if (bracketed_) follow_course();
 }
 
-// Then there is one pipeline, and follow_course() has nothing to do.
+// While a dwell of a run is on, one pipeline lives, and follow_course() would change nothing.
 std::size_t RunCycle::take_samples(std::span<const Record> records) {
   RunPipeline& shown = *live_.front();
   if (!run_.on || !shown.sees_drive()) return 0;

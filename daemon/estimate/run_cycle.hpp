@@ -63,9 +63,9 @@ class RunCycle {
   void set_clocks(std::int64_t now_ns, std::int64_t utc_ns) noexcept;
   // The next record of the stream, as merged.
   void take(const Record& record);
-  // While a dwell of a run is on: takes the samples and ticks that `records` begins with, as take() would one by one,
-  // up to where a dwell may end, the state change or a result be due. Returns how many; 0: take() must take the next
-  // one. Costs less than take().
+  // Takes samples and ticks from the front of `records`, as take() would one by one. Stops where a dwell may end or
+  // the state change, and after the record at which a result is due. Returns how many it took; 0: take() must take the
+  // next one, as always while no dwell of a run is on. Costs less than take().
   [[nodiscard]] std::size_t take_samples(std::span<const Record> records);
   // The end of the session, at t_ns: the run ends, the current dwell completes.
   void finish(std::int64_t t_ns);

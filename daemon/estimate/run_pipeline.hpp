@@ -32,7 +32,7 @@ class RunPipeline {
 
   // The next record of the stream; the first is RunEdge::armed.
   void take(const Record& record);
-  // Takes the samples and ticks that `records` begins with; see Measurement::take_samples().
+  // See Measurement::take_samples().
   [[nodiscard]] std::size_t take_samples(std::span<const Record> records) noexcept;
   // The end of the run: what waits is done, the current dwell completes.
   void finish() { measurement_.finish(); }

@@ -18,13 +18,13 @@ class RunTap {
   // sink: may be null; then nothing is handed on. every_s: stream time between two looks at a dwell.
   RunTap(record::StreamSink* sink, double every_s) : sink_(sink), every_ns_(static_cast<std::int64_t>(every_s * 1e9)) {}
 
-  // A record, before any pipeline takes it.
+  // A record, before anything that the pipelines make of it.
   void record(const Record& record) noexcept {
     if (sink_ != nullptr) sink_->record(record);
   }
   // A run begins with this record: the first look is due once `every_s` has passed.
   void begin(std::int64_t t_ns) noexcept { next_ns_ = t_ns + every_ns_; }
-  // How many of these records come until a look is due, the one at which it is among them; at most all.
+  // How many of these records to take before look() is called: up to the one at which a look is due, or all.
   [[nodiscard]] std::size_t until_look(std::span<const Record> records) const noexcept {
     if (sink_ == nullptr) return records.size();
     const auto due = [this](const Record& record) { return record.t_ns >= next_ns_; };

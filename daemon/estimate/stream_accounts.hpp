@@ -17,7 +17,7 @@ class StreamAccounts {
  public:
   explicit StreamAccounts(std::size_t channels) : given_(channels), carried_(channels) {}
 
-  // A record of the stream, before any pipeline takes it.
+  // A record of the stream. Call it before the counts are asked for that include this record.
   void give(const Record& record) noexcept {
     if (record.kind == Kind::sample && record.channel < given_.size()) ++given_[record.channel];
   }
