@@ -3,12 +3,14 @@
 // operator may ask for only where the token was among the bytes. The real server on loopback, over a service that
 // measures.
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <cctype>
+#include <cerrno>
 #include <string>
 #include <string_view>
 
@@ -62,7 +64,14 @@ int connected_to(std::uint16_t port) {
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  hold(client >= 0 && connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  hold(client >= 0);
+  // The fuzzer's timer may interrupt connect(), which then goes on by itself.
+  if (connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    hold(errno == EINTR);
+    pollfd connected{client, POLLOUT, 0};
+    while (poll(&connected, 1, -1) < 0) hold(errno == EINTR);
+    hold((connected.revents & (POLLERR | POLLHUP)) == 0);
+  }
   // Closing resets: no connection lingers and uses up a port.
   const linger none{1, 0};
   setsockopt(client, SOL_SOCKET, SO_LINGER, &none, sizeof none);
