@@ -150,6 +150,8 @@ void RunCycle::begin(std::uint16_t request) {
   record.value = static_cast<double>(live_.front()->position());
   record.channel = request;
   give(record);
+  // Of a drive that went on when its run was stopped, and rested then.
+  for (RunPipeline::Ended& ended : live_.front()->take_kept()) tap_.ended(ended.position, std::move(ended.dwell));
 }
 
 void RunCycle::end(EndOfRun why, std::uint16_t request) {
@@ -216,9 +218,10 @@ void RunCycle::drop(std::size_t pipeline) {
 
 // Only events of the shown pipeline pass, and none while a stopped run hides it.
 void RunCycle::told(RunPipeline& by, RunEvent event) {
+  if (event.kind == RunEvent::Kind::dwell_finished && !run_.on) by.keep(event.dwell);
   if (&by != live_.front().get() || run_.held) return;
   if (event.kind == RunEvent::Kind::dwell_finished) {
-    if (run_.on) tap_.ended(by, event.dwell);
+    if (run_.on) tap_.ended(by.position(), event.dwell);
     if (by.model() != nullptr) by.model()->ended(*event.dwell, by.position());
   } else {
     event.before = std::exchange(told_, event.dwell->state);

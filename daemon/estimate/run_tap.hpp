@@ -41,9 +41,9 @@ class RunTap {
   void model(const RunPipeline& run, record::ModelResult result) {
     if (sink_ != nullptr) sink_->model(run.position(), std::move(result));
   }
-  // A dwell of the run has ended with the record taken last.
-  void ended(const RunPipeline& run, std::shared_ptr<const Dwell> dwell) {
-    if (sink_ != nullptr) sink_->result(run.position(), true, std::move(dwell));
+  // A dwell of the run has ended with that record.
+  void ended(std::uint64_t position, std::shared_ptr<const Dwell> dwell) {
+    if (sink_ != nullptr) sink_->result(position, true, std::move(dwell));
   }
   // The shown state has changed, whether a run goes on or not.
   void state(const record::StateChange& change, std::shared_ptr<const Dwell> after) {

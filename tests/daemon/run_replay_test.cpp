@@ -178,6 +178,27 @@ TEST(RunReplay, OfARunThatBeginsAtAFault) {
   replay_all(session, covered);
 }
 
+// The drive goes on after its run was stopped, rests, and begins the next run. That one reaches back to the stop.
+TEST(RunReplay, OfARunThatReachesBackToTheEndOfADwellBeforeIt) {
+  Covered covered;
+  SimulatedSession session({Boundary::free, {5.0}, {20'000.0}, {60.0}}, 5.0, 1e-6, 2, 1);
+  session.drive(2e-3);
+  session.go_on(8.0);
+  (void)session.estimator->end_run(1);
+  session.go_on(4.0);
+  session.drive(0.0);
+  session.go_on(13.0);
+  session.drive(2e-3);
+  session.go_on(8.0);
+  session.finish();
+  ASSERT_EQ(session.sink.runs().size(), 2u);
+  const CollectingSink::Run second = session.sink.runs().back();
+  ASSERT_FALSE(second.results.empty());
+  EXPECT_TRUE(second.results.front().final);
+  EXPECT_LT(second.results.front().position, second.begins) << "a dwell ended before the run began";
+  replay_all(session, covered);
+}
+
 // A rig so large that its fits take many pushes: results wait for the work, and a stop ends it at once.
 TEST(RunReplay, OfARigWhoseFitsAreDoneInSlices) {
   Covered covered;
