@@ -145,6 +145,11 @@ std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& 
   return Objection{"any motion: " + motion.reason, !moved || !moved->empty(), {}};
 }
 
+bool may_object(const Dwell& dwell, const MotionEstimate& motion) noexcept {
+  const bool says_something = !motion.elements.empty() || motion.contradicted;
+  return says_something && dwell.index && std::isfinite(dwell.settled_s);
+}
+
 std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell) {
   std::vector<Agreement> all = differences(motion, dwell);
   if (all.empty()) return std::nullopt;

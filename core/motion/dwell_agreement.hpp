@@ -45,5 +45,7 @@ struct Objection {
 
 // nullopt: none is so. Thread-safe; allocates.
 [[nodiscard]] std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion);
+// Whether objection_to() is to be asked: the dwell has settled, and the estimate says something of the chain.
+[[nodiscard]] bool may_object(const Dwell& dwell, const MotionEstimate& motion) noexcept;
 
 }  // namespace dwell

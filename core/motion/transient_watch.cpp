@@ -43,8 +43,8 @@ void TransientJob::run(const Rig& rig) {
                    .t_half_ns = reading.half_ns,
                    .channel = static_cast<std::uint16_t>(reading.channel)});
   MotionOptions options;
-  options.at_fault = at_fault;
-  options.anew = anew;
+  options.at_fault = result.at_fault;
+  options.anew = result.anew;
   options.stop = stop;
   result.estimate = estimate_motion(rig, recorder.data(), options);
 }
@@ -135,7 +135,7 @@ TransientJob TransientWatch::job() const {
   TransientJob job;
   job.dwell = stretch_.dwell;
   job.stretch = stretch_.number;
-  job.at_fault = at_fault_;
+  job.result.at_fault = at_fault_;
   job.readings = record_.readings();
   job.result.from_s = to_s(job.readings.front().t_ns);
   job.result.until_s = to_s(job.readings.back().t_ns);
@@ -154,7 +154,7 @@ TransientJob TransientWatch::hand_over() {
     return last;
   }
   TransientJob next = job();
-  next.anew = stretch_.anew != AnewSearch::not_asked || record_.full();
+  next.result.anew = stretch_.anew != AnewSearch::not_asked || record_.full();
   stretch_.handed = next.result.given;
   stale_ = std::stop_source();
   next.stop = stale_.get_token();

@@ -47,6 +47,7 @@ struct ReplayOptions {
   std::string against = {};  // a child file to compare with; empty: the run's own results
   std::string comment = {};  // into the child file
   std::string key = {};      // file of the private key that signs it; empty: the person's own
+  bool models = false;       // compare the run's estimates by any motion and its verifications too
   bool json = false;
 };
 

@@ -128,9 +128,14 @@ class ComputingVerbs {
                          "compute with this rig file instead, and compare nothing; it must have the run's channels");
     CLI::Option* const child =
         verb->add_option("-o,--output", replaying_.output, "the child file to write")->needs(rig);
-    verb->add_option("--against", replaying_.against,
-                     "a child file of this run: compute with its rig file, and compare with its results")
-        ->excludes(rig);
+    CLI::Option* const against =
+        verb->add_option("--against", replaying_.against,
+                         "a child file of this run: compute with its rig file, and compare with its results")
+            ->excludes(rig);
+    verb->add_flag("--models", replaying_.models,
+                   "compare estimates by any motion and verifications too; each takes seconds, some minutes")
+        ->excludes(rig)
+        ->excludes(against);
     add_text(verb, "--comment", replaying_.comment, dwell::record::kCommentBytes, "why, into the child file")
         ->needs(child);
     verb->add_option("--key", replaying_.key, "file of the private key that signs the child file; default: your own")

@@ -11,6 +11,7 @@
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 #include "core/stream/record.hpp"
+#include "core/stream/sample_history.hpp"
 
 namespace dwell::ctl {
 
@@ -49,8 +50,13 @@ class Replay {
   [[nodiscard]] bool state_changed() const noexcept { return state_changed_; }
   // The current dwell; nullopt: the pipeline is in a long piece of work and publishes nothing here. Allocates.
   [[nodiscard]] std::optional<Dwell> current() const;
-  // The same, its coefficients not computed yet: that may be done on another thread, as long as this lives.
+  // current(), its coefficients not computed yet: that may be done on another thread, as long as this lives.
   [[nodiscard]] std::optional<DwellDraft> draft() const;
+  // The readings that the pipeline has used, as the service had them after the same record; null: the pipeline is in a
+  // long piece of work.
+  [[nodiscard]] const SampleHistory* readings() const noexcept {
+    return pipeline_.busy() ? nullptr : &pipeline_.pipeline().readings();
+  }
 
  private:
   void finish();

@@ -23,8 +23,21 @@ Difference whole(std::string stored, std::string replayed) {
 
 void ReplayFindings::add(Finding finding) {
   ++different;
-  ++intolerable;
-  if (listed.size() < kListed) listed.push_back(std::move(finding));
+  if (!finding.difference.tolerable) {
+    ++intolerable;
+  } else if (finding.difference.in_u >= 0.0 &&
+             (largest.position == 0 || finding.difference.in_u > largest.difference.in_u)) {
+    largest = finding;
+  }
+  std::vector<Finding>& to = finding.difference.tolerable ? tolerable_ : beyond_;
+  if (to.size() < kListed) to.push_back(std::move(finding));
+}
+
+std::vector<Finding> ReplayFindings::listed() const {
+  std::vector<Finding> all = beyond_;
+  all.insert(all.end(), tolerable_.begin(), tolerable_.end());
+  if (all.size() > kListed) all.resize(kListed);
+  return all;
 }
 
 void ReplayCheck::look(const Replay& replay) {
@@ -61,7 +74,7 @@ void ReplayCheck::look(const Replay& replay) {
       if (cut_off)
         findings_.notes.push_back("the run was cut off before dwell " + index + ", which ended there, was stored");
       else
-        find(Finding{position, true, index, whole("none", "a dwell ends here")});
+        findings_.add({position, true, index, whole("none", "a dwell ends here")});
     });
 }
 
@@ -79,8 +92,6 @@ record::Result<ReplayFindings> ReplayCheck::finish() {
       findings_.notes.push_back("the run was cut off before " + at + ", at which a result is stored");
   }
   if (!stored_.error().empty()) return tl::unexpected(stored_.error());
-  for (Finding& finding : tolerable_)
-    if (findings_.listed.size() < ReplayFindings::kListed) findings_.listed.push_back(std::move(finding));
   return std::move(findings_);
 }
 
@@ -111,22 +122,13 @@ void ReplayCheck::compare(const StoredResults::Entry& stored, const std::string&
   findings_.numbers += comparison->numbers;
   const std::string index = index_in(parsed->dwell);
   for (Difference& difference : comparison->differences)
-    find(Finding{stored.position, stored.final, index, std::move(difference)});
+    findings_.add({stored.position, stored.final, index, std::move(difference)});
 }
 
 void ReplayCheck::find(const StoredResults::Entry& stored, Difference difference) {
   const auto parsed = record::parse_result(stored.body);
   const std::string index = parsed ? index_in(parsed->dwell) : "none";
-  find(Finding{stored.position, stored.final, index, std::move(difference)});
-}
-
-void ReplayCheck::find(Finding finding) {
-  if (!finding.difference.tolerable) return findings_.add(std::move(finding));
-  ++findings_.different;
-  const bool first = findings_.largest.position == 0;
-  if (finding.difference.in_u >= 0.0 && (first || finding.difference.in_u > findings_.largest.difference.in_u))
-    findings_.largest = finding;
-  if (tolerable_.size() < ReplayFindings::kListed) tolerable_.push_back(std::move(finding));
+  findings_.add({stored.position, stored.final, index, std::move(difference)});
 }
 
 }  // namespace dwell::ctl

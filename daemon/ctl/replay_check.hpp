@@ -17,7 +17,7 @@ namespace dwell::ctl {
 struct Finding {
   std::uint64_t position = 0;
   bool final = false;
-  std::string dwell;  // the index as stored, "none" while idle; empty: the difference is in an event
+  std::string dwell;  // the index as stored, "none" while idle; empty: it is no result of a dwell but what `what` names
   Difference difference;
 };
 
@@ -27,15 +27,19 @@ struct ReplayFindings {
   std::uint64_t results = 0, finals = 0;  // compared
   std::uint64_t numbers = 0;              // in them
   std::uint64_t events = 0;               // compared; child file: all, run: changes of state only
+  std::uint64_t estimates = 0, verifications = 0;  // compared
   std::uint64_t different = 0;            // of the numbers and other members
   std::uint64_t intolerable = 0;          // of these, beyond the tolerance for another build
   Finding largest;                        // the tolerable one with the largest `in_u`
-  std::vector<Finding> listed;            // the first kListed: first those beyond the tolerance, then the others
   std::vector<std::string> notes;         // what could not be compared, and why that is no difference
 
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
-  // Adds a difference beyond the tolerance.
   void add(Finding finding);
+  // At most kListed of what was added: first those beyond the tolerance, then the others.
+  [[nodiscard]] std::vector<Finding> listed() const;
+
+ private:
+  std::vector<Finding> beyond_, tolerable_;  // the first kListed of each
 };
 
 // Bound to one thread. Computes the coefficients of each result and compares on a second thread, since that takes half
@@ -77,16 +81,13 @@ class ReplayCheck {
   void compare(const StoredResults::Entry& stored, const std::string& replayed);
   // Adds a difference in a stored result.
   void find(const StoredResults::Entry& stored, Difference difference);
-  void find(Finding finding);
 
   StoredResults stored_;
   ToJson to_json_;
   bool closed_;
   std::uint64_t results_ = 0, finals_ = 0;  // looked at
   std::vector<std::function<void()>> put_off_;
-  // Used by the second thread until it is done.
-  std::vector<Finding> tolerable_;
-  ReplayFindings findings_;
+  ReplayFindings findings_;  // the second thread's until it is done
   std::future<void> work_;  // last: waits for that thread before the rest goes
 };
 

@@ -19,6 +19,7 @@
 #include "daemon/ctl/child_file.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/event_comparison.hpp"
+#include "daemon/ctl/model_check.hpp"
 #include "daemon/ctl/personal_key.hpp"
 #include "daemon/ctl/printout.hpp"
 #include "daemon/ctl/recorded_run.hpp"
@@ -49,9 +50,8 @@ int cannot_replay(const record::Failure& why, int code = kUsage) {
   return code;
 }
 
-// Hands every record to the replay, and then calls after(record), the record as the replay's rig has it. free() says
-// how many samples and ticks it need not be called for. Returns the dwells that ended. If the stream breaks off, the
-// last one ends there.
+// Hands every record to the replay, and calls after(records) with those taken, as the replay's rig has them: one, or up
+// to free() samples and ticks together. Returns the dwells that ended. If the stream breaks off, the last one ends there.
 template <class Free, class After>
 Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& reader, const ChannelMap& channels,
                                 Replay& replay, const Free& free, const After& after) {
@@ -72,17 +72,17 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
     while (!records.empty()) {
       const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(free(), records.size()));
       const std::size_t taken = most > 0 ? replay.take_samples(records.first(most)) : 0;
-      records = records.subspan(taken);
-      if (taken > 0) continue;
-      const Record& record = records.front();
-      replay.take(record);
-      if (!replay.ended().empty()) keep();
-      after(record);
+      if (taken == 0) {
+        replay.take(records.front());
+        if (!replay.ended().empty()) keep();
+      }
+      const auto newest = records.first(std::max<std::size_t>(1, taken));
+      after(newest);
       if (replay.position() >= next_shown) {
-        bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
+        bar.show((static_cast<double>(newest.back().t_ns) - begin_ns) / length_ns);
         next_shown = replay.position() + kShowEvery;
       }
-      records = records.subspan(1);
+      records = records.subspan(newest.size());
     }
     return true;
   });
@@ -123,6 +123,16 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   if (!stored) return cannot_replay(stored.error());
   // As in the results that are compared.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
+  std::optional<ModelCheck> models;
+  bool models_left = false;
+  if (options.models) {
+    auto opened = ModelCheck::open(reader, file->rig, file->verification.accuracy);
+    if (!opened) return cannot_replay(opened.error());
+    models.emplace(std::move(*opened));
+  } else if (child == nullptr) {
+    const auto any = reader.models([&](const record::StoredModel&) { return !(models_left = true); });
+    if (!any) return cannot_replay(any.error());
+  }
   Replay replay(file->rig);
   ReplayCheck check(
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
@@ -136,12 +146,16 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   };
   std::vector<Finding> missing;
   std::size_t gap = 0;
-  const auto dwells = play(
-      options.file, reader, *channels, replay,
-      // The events of a child were drained at each record, so they are here as well.
-      [&] { return child != nullptr ? std::uint64_t{0} : check.free_until(replay); },
-      [&](const Record& record) {
+  const auto free = [&] {
+    // The events of a child were drained at each record, so they are here as well.
+    if (child != nullptr) return std::uint64_t{0};
+    return std::min(check.free_until(replay), models ? models->free_until(replay) : UINT64_MAX);
+  };
+  const auto dwells =
+      play(options.file, reader, *channels, replay, free, [&](std::span<const Record> taken) {
+        const Record& record = taken.back();
         check.follow(replay);
+        if (models) models->follow(taken, replay);
         if (child == nullptr) {
           if (is_edge(record, RunEdge::begins)) begins_at = replay.position();
           if (auto change = states.follow(replay)) events.push_back(std::move(*change));
@@ -155,6 +169,9 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   if (!dwells) return cannot_replay(dwells.error());
   auto findings = check.finish();
   if (!findings) return cannot_replay(findings.error());
+  if (models) models->finish(*dwells, *findings);
+  if (models_left)
+    findings->notes.emplace_back("estimates by any motion and verifications are not compared; --models does that");
   for (Finding& finding : missing) findings->add(std::move(finding));
   if (child != nullptr) {
     add_events(follower.finish());
@@ -290,8 +307,9 @@ int compute_child(const ReplayOptions& options, record::RunReader& reader) {
   };
   ChildEvents events(header, reader.begin_ns(), file->rig, devices_of(header));
   const auto each = [] { return std::uint64_t{0}; };
-  const auto dwells = play(options.file, reader, *channels, replay, each, [&](const Record& record) {
+  const auto dwells = play(options.file, reader, *channels, replay, each, [&](std::span<const Record> taken) {
     if (!child) return;
+    const Record& record = taken.back();
     for (const record::StoredEvent& event : events.follow(record, replay)) child->add(record.t_ns, event);
     for (const Dwell& dwell : replay.ended()) add_result(record.t_ns, true, dwell);
     for (; stored->now() != nullptr && stored->now()->position <= replay.position(); stored->next())

@@ -21,6 +21,8 @@ std::string count(std::uint64_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
+std::string also(std::uint64_t n, const char* one, const char* many) { return n > 0 ? ", " + count(n, one, many) : ""; }
+
 // Cuts long values, for instance a reason in words.
 std::string shown(const std::string& value) {
   constexpr std::size_t most = 120;
@@ -68,7 +70,8 @@ std::string headline(const ReplayVerdict& verdict, const ReplayFindings& finding
   const std::string seen = count(findings.results + findings.finals, "result", "results") + ", " +
                            std::to_string(findings.finals) + " of dwells that ended, " +
                            count(findings.numbers, "number", "numbers") +
-                           (findings.events > 0 ? ", " + count(findings.events, "event", "events") : "");
+                           also(findings.events, "event", "events") + also(findings.estimates, "estimate", "estimates") +
+                           also(findings.verifications, "verification", "verifications");
   if (findings.identical()) return "identical: " + seen + ", bit for bit";
   const std::string different = count(findings.different, "difference", "differences") + " in " + seen;
   if (verdict.same)
@@ -98,10 +101,12 @@ void add(const ReplayVerdict& verdict, const ReplayFindings& findings, const rec
   document["compared"] = {{"results", findings.results + findings.finals},
                           {"finals", findings.finals},
                           {"numbers", findings.numbers},
-                          {"events", findings.events}};
+                          {"events", findings.events},
+                          {"estimates", findings.estimates},
+                          {"verifications", findings.verifications}};
   document["different"] = findings.different;
   document["differences"] = Json::array();
-  for (const Finding& finding : findings.listed) document["differences"].push_back(json(finding));
+  for (const Finding& finding : findings.listed()) document["differences"].push_back(json(finding));
   document["notes"] = findings.notes;
 
   std::string& text = to.text;
@@ -110,7 +115,7 @@ void add(const ReplayVerdict& verdict, const ReplayFindings& findings, const rec
   if (findings.largest.position > 0)
     text += margin + "the largest of those within the tolerance: " + line(findings.largest) + "\n";
   std::size_t lines = 0;
-  for (const Finding& finding : findings.listed) {
+  for (const Finding& finding : findings.listed()) {
     if (finding.difference.tolerable && !verdict.same_origin) continue;
     if (++lines > kShown) break;
     text += margin + line(finding) + "\n";

@@ -1,7 +1,6 @@
 #include "daemon/estimate/model_work.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 
@@ -61,8 +60,7 @@ void ModelWork::take_back(VerificationJob job) {
 // What any motion holds against a dwell that has settled; empty: nothing. It becomes part of the dwell's verdict. An
 // estimate that says nothing about the chain changes no verdict.
 std::string ModelWork::object(const Dwell& dwell, const MotionEstimate& motion) {
-  if (motion.elements.empty() && !motion.contradicted) return {};
-  if (!dwell.index || !std::isfinite(dwell.settled_s)) return {};
+  if (!may_object(dwell, motion)) return {};
   const std::optional<Objection> objection = objection_to(dwell, motion);
   std::string what = objection ? objection->what : std::string();
   const VerifiedModel* const known = verdict_on(models_.get(), *dwell.index);

@@ -55,6 +55,12 @@ inline int integer(const Json& value, const char* name) {
   return static_cast<int>(wide);
 }
 
+inline std::uint64_t natural_of(const Json& object, const char* name) {
+  const Json& value = member(object, name);
+  if (!value.is_number_unsigned()) fail(name, "an integer, 0 or more");
+  return value.get<std::uint64_t>();
+}
+
 inline const Json& array_of(const Json& object, const char* name) {
   const Json& value = member(object, name);
   if (!value.is_array()) fail(name, "an array");

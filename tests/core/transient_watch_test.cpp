@@ -134,11 +134,11 @@ TEST(TransientWatch, LeavesTheLongSearchToTheSecondEstimateOfAContradictedStretc
   WatchedStart start;
   start.begin_dwell();
   ASSERT_EQ(start.jobs.size(), 1u);
-  EXPECT_FALSE(start.jobs[0].anew);
+  EXPECT_FALSE(start.jobs[0].result.anew);
   start.give_back("contradicted", AnewSearch::put_off);
   start.go_on(3.3, dwell_of(1, 1.0));
   ASSERT_EQ(start.jobs.size(), 2u) << "as soon as after any other estimate";
-  EXPECT_TRUE(start.jobs[1].anew);
+  EXPECT_TRUE(start.jobs[1].result.anew);
   const std::size_t searched = start.jobs[1].readings.size();
   start.give_back("contradicted", AnewSearch::done);
   start.go_on(60.0, dwell_of(1, 1.0));
@@ -179,7 +179,7 @@ TEST(TransientWatch, MakesTheSearchThatWasPutOffEvenWhenTheDwellHasSettledMeanwh
   start.give_back("contradicted", AnewSearch::put_off);
   start.go_on(3.2, settled_dwell(1, 1.0, 3.1));
   ASSERT_EQ(start.jobs.size(), 2u);
-  EXPECT_TRUE(start.jobs[1].anew);
+  EXPECT_TRUE(start.jobs[1].result.anew);
   start.give_back("contradicted", AnewSearch::done);
   start.go_on(60.0, settled_dwell(1, 1.0, 3.1));
   EXPECT_EQ(start.jobs.size(), 2u) << "once";
@@ -191,7 +191,7 @@ TEST(TransientWatch, MakesTheSearchAtOnceWhereNoMoreReadingsCanCome) {
   start.go_on(1.0, Dwell());
   start.go_on(500'000.0 / 7 / 3 / kScans_hz + 20.0, dwell_of(1, 1.0));
   ASSERT_TRUE(start.watch.due());
-  EXPECT_TRUE(start.watch.hand_over().anew);
+  EXPECT_TRUE(start.watch.hand_over().result.anew);
 }
 
 TEST(TransientWatch, StopsItsLastJobWhenItGoesItself) {
@@ -211,7 +211,7 @@ TEST(TransientWatch, BeginsAnotherStretchWithoutTheLongSearch) {
   start.go_on(3.1, Dwell());
   start.go_on(6.0, dwell_of(2, 3.2));
   ASSERT_EQ(start.jobs.size(), 2u);
-  EXPECT_FALSE(start.jobs[1].anew);
+  EXPECT_FALSE(start.jobs[1].result.anew);
 }
 
 TEST(TransientWatch, HandsOverNoMoreThanAnEstimateTakesAndThenRests) {
@@ -353,8 +353,8 @@ TEST(TransientWatch, HandsOnWhichReadingsAreAtFault) {
   start.watch.follow(dwell_of(1, 1.0), {{1, "y1: clipped: 12 %"}});
   ASSERT_TRUE(start.watch.due());
   const TransientJob job = start.watch.hand_over();
-  ASSERT_EQ(job.at_fault.size(), 1u);
-  EXPECT_EQ(job.at_fault[0].what, "y1: clipped: 12 %");
+  ASSERT_EQ(job.result.at_fault.size(), 1u);
+  EXPECT_EQ(job.result.at_fault[0].what, "y1: clipped: 12 %");
 }
 
 TEST(TransientWatch, BeginsANewStretchWithANewHoldAndDropsWhatComesOfTheOldOne) {

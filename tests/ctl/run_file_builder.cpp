@@ -2,15 +2,20 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "config/rig_file.hpp"
+#include "daemon/estimate/long_work.hpp"
 #include "daemon/estimate/measurement.hpp"
+#include "daemon/estimate/model_work.hpp"
 #include "daemon/record/block.hpp"
 #include "daemon/record/chain_file.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_line.hpp"
+#include "daemon/run/stored_model.hpp"
 
 namespace dwell::test {
 namespace {
@@ -199,8 +204,14 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     if (final && !dwell.elements.empty()) ++run.settled;
     results.push_back(std::move(result));
   };
+  const auto work = std::make_shared<LongWork>(file->rig, file->verification.accuracy);
+  ModelWork model(work);
+  std::vector<record::StoredModel> models;
   Measurement measurement(file->rig, KeptDwells(1, 1'000'000), [&](RunEvent event) {
-    if (event.kind == RunEvent::Kind::dwell_finished) return store(true, *event.dwell);
+    if (event.kind == RunEvent::Kind::dwell_finished) {
+      model.ended(*event.dwell, position);
+      return store(true, *event.dwell);
+    }
     record::StoredEvent change;
     change.position = position;
     change.what = "state";
@@ -214,11 +225,29 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     must(writer.append("stream", block.back().t_ns, record::encode_block(block)));
     for (const record::StoredResult& result : results)
       must(writer.append("result", block.back().t_ns, to_json(result)));
+    for (const record::StoredModel& one : models) must(writer.append(one.kind, block.back().t_ns, to_json(one)));
     for (const record::StoredEvent& state : states) must(writer.append("event", block.back().t_ns, to_json(state)));
     if (changes.commits) must(writer.commit());
     block.clear();
     results.clear();
+    models.clear();
     states.clear();
+  };
+  std::optional<std::int64_t> origin_ns;
+  // A turn of the service, in which the jobs that it gives are done at once.
+  const auto turn = [&] {
+    model.gather(measurement.readings(), *origin_ns);
+    model.turn(measurement.current(), measurement.current_at(), measurement.pipeline());
+    while (work->estimate() || work->verify()) {
+    }
+    const auto news = model.take_news();
+    if (!news) return;
+    record::StoredModel stored = stored_model(*news, file->rig);
+    stored.position = position;
+    stored.utc = run.header.start_utc;
+    if (!changes.model(stored)) return;
+    ++(stored.kind == "estimate" ? run.estimates : run.verifications);
+    models.push_back(std::move(stored));
   };
   std::int64_t publish_ns = stream.front().t_ns;
   std::uint64_t samples = 0;
@@ -227,6 +256,10 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     samples += record.kind == Kind::sample ? 1 : 0;
     if (!block.empty() && record.t_ns - block.front().t_ns >= 1'000'000'000) cut();
     block.push_back(record);
+    if (concerns_pipeline(record.kind)) {
+      if (!origin_ns) origin_ns = record.t_ns;
+      model.take(record, record.t_ns - *origin_ns, position);
+    }
     measurement.take(record);
     const bool ends = is_edge(record, RunEdge::ends);
     if (ends) measurement.finish();
@@ -234,6 +267,7 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     if (!ends && record.t_ns >= publish_ns && measurement.readings() != nullptr) {
       publish_ns = record.t_ns + std::llround(1e9 * changes.every_s);
       store(false, measurement.current());
+      if (changes.model && origin_ns) turn();
     }
   }
   cut();

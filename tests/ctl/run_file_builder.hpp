@@ -69,6 +69,8 @@ struct Changes {
   std::function<void(record::RunHeader&)> header = {};
   std::function<bool(record::StoredResult&)> result = {};      // false: it is left out
   std::function<bool(record::StoredEvent&)> state_event = {};  // likewise, of a change of state
+  // Likewise, of an estimate or a verification; none: neither is made.
+  std::function<bool(record::StoredModel&)> model = {};
   bool without_end = false;
   double every_s = 0.25;  // between two results, on the stream
   bool commits = false;   // each block is committed and signed by itself, as the service does; else all at once
@@ -79,6 +81,7 @@ struct WrittenRun {
   int results = 0, finals = 0;
   int settled = 0;                    // finals with coefficients
   std::vector<std::uint64_t> states;  // positions of the changes of state
+  int estimates = 0, verifications = 0;
   int busy = 0;                       // records at which a result was due and long work was going on
 };
 // Writes the run at `path`.

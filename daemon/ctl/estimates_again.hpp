@@ -1,0 +1,47 @@
+// The estimates by any motion that a run published, each with the readings that it was made from, as a replay comes to
+// them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/motion/hold_record.hpp"
+#include "core/motion/transient_watch.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/record.hpp"
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::ctl {
+
+struct PublishedEstimate {
+  record::StoredModel stored;
+  TransientEstimate of;  // what it was made from; the estimate itself is empty
+};
+
+// Bound to one thread. Memory: 24 bytes for each reading of the largest estimate.
+class EstimatesAgain {
+ public:
+  // An estimate with more readings than this is none of Dwell's.
+  static constexpr std::size_t kMostReadings = 1'000'000;
+
+  // published: each with at most kMostReadings. The rig's channel numbers are those of the records to come.
+  EstimatesAgain(const Rig& rig, std::vector<PublishedEstimate> published);
+
+  // Called when all its readings have come by: the job to be run.
+  using Make = std::function<void(const PublishedEstimate&, TransientJob)>;
+  // The next record of the stream, its instant on the run's axis, and its position.
+  void take(const Record& record, std::int64_t t_ns, std::uint64_t position, const Make& make);
+  // Call after the last take(): those without a job. The stream lacks their readings.
+  [[nodiscard]] std::span<const PublishedEstimate> left() const noexcept;
+
+ private:
+  std::vector<bool> counts_;                  // by Rig::channels: all but auxiliary ones
+  std::vector<PublishedEstimate> published_;  // by TransientEstimate::last
+  std::size_t next_ = 0;
+  HoldRecord newest_;
+};
+
+}  // namespace dwell::ctl
