@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/serve/gzip.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/http_actions.hpp"
@@ -62,7 +63,7 @@ HttpReply Http::answer(const HttpRequest& request) const {
   }
   if (verb) return method_refusal("POST", "only POST: this path changes something");
   // The page reads the query of its address itself.
-  if (auto file = content_.page.answer(request.path())) return std::move(*file);
+  if (auto file = content_.page.answer(request.path(), accepts_gzip(request.encodings))) return std::move(*file);
   if (request.path() == "/api/v1/rights" && content_.rights != nullptr) {
     if (auto refused = query_refused(request)) return std::move(*refused);
     return content_.rights->told(request);

@@ -140,7 +140,8 @@ export class TracesView {
     const less = $('trace-less').checked;
     const taken = this.#joins && this.#window.take(event);
     if (taken && !less) this.#say('');
-    if (less ? performance.now() - this.#lessAt > LESS_MS : !taken) this.#ask();
+    // An answer that is under way will hold this event too.
+    if (less ? performance.now() - this.#lessAt > LESS_MS : !taken && !this.#asking) this.#ask();
     this.#follow();
   }
 

@@ -33,12 +33,13 @@ export const playsRecording = (health) => Boolean(health?.devices?.some((device)
 export const hasEnded = (health) => Boolean(health?.devices?.length) && health.devices.every((device) => device.ended);
 
 // { text, tone } of the limits that a dwell does not keep for certain, counted; null: the dwell is not measured, or has
-// none with a verdict.
+// no limits.
 export function limitsText(dwell) {
   const count = (verdict) => (dwell?.limits ?? []).filter((limit) => limit.verdict === verdict).length;
-  const [violated, undecided, kept] = ['violated', 'undecided', 'kept'].map(count);
-  if (dwell?.state !== 'measuring' || violated + undecided + kept === 0) return null;
-  const parts = [...(violated ? [`${violated} violated`] : []), ...(undecided ? [`${undecided} undecided`] : [])];
+  const [violated, undecided, none] = ['violated', 'undecided', 'none'].map(count);
+  if (dwell?.state !== 'measuring' || dwell.limits.length === 0) return null;
+  const parts = [...(violated ? [`${violated} violated`] : []), ...(undecided ? [`${undecided} undecided`] : []),
+    ...(none ? [`${none} without a verdict`] : [])];
   return { text: parts.length > 0 ? parts.join(', ') : 'all kept', tone: violated ? 'alarm' : 'calm' };
 }
 

@@ -201,6 +201,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     request.content_type = field(http::field::content_type);
     request.cookie = field(http::field::cookie);
     request.origin = field(http::field::origin);
+    request.encodings = field(http::field::accept_encoding);
     request.codings = read.count(http::field::transfer_encoding);
     request.coding = field(http::field::transfer_encoding);
     request.has_length = read.count(http::field::content_length) > 0;
@@ -216,6 +217,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response.set(http::field::content_type, reply.content_type);
     response.set(http::field::cache_control, reply.tag.empty() ? "no-store" : "no-cache");
     if (!reply.tag.empty()) response.set(http::field::etag, reply.tag);
+    if (!reply.encoding.empty()) response.set(http::field::content_encoding, reply.encoding);
+    if (reply.varies) response.set(http::field::vary, "Accept-Encoding");
     if (!reply.policy.empty()) response.set("Content-Security-Policy", reply.policy);
     response.set("X-Content-Type-Options", "nosniff");
     if (!reply.cookie.empty()) response.set(http::field::set_cookie, reply.cookie);

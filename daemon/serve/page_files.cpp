@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/serve/gzip.hpp"
+
 namespace dwell {
 namespace {
 
@@ -42,6 +44,14 @@ std::optional<std::string> bytes_of(const fs::path& path) {
   bytes.resize(static_cast<std::size_t>(file.gcount()));
   if (bytes.empty() || bytes.size() > PageFiles::kLargest) return std::nullopt;
   return bytes;
+}
+
+HttpReply reply_of(std::string_view name, std::string bytes) {
+  HttpReply reply{200, std::move(bytes), content_type(name)};
+  reply.tag = tag_of(reply.body);
+  reply.policy = kPolicy;
+  reply.varies = true;
+  return reply;
 }
 
 }  // namespace
@@ -91,21 +101,21 @@ PageFiles PageFiles::read(const std::string& folder) {
     const fs::path path = fs::path(folder) / name;
     auto bytes = bytes_of(path);
     if (!bytes) return PageFiles(path.string() + " cannot be read: expected a file of 1 to 100 000 bytes");
-    File file{name == "index.html" ? "/" : "/page/" + std::string(name), {200, std::move(*bytes), content_type(name)}};
-    file.reply.tag = tag_of(file.reply.body);
-    file.reply.policy = kPolicy;
+    File file{name == "index.html" ? "/" : "/page/" + std::string(name), reply_of(name, std::move(*bytes)), {}};
+    file.packed = reply_of(name, gzip_of(file.reply.body));
+    file.packed.encoding = "gzip";
     page.files_.push_back(std::move(file));
   }
   return page;
 }
 
-std::optional<HttpReply> PageFiles::answer(std::string_view path) const {
+std::optional<HttpReply> PageFiles::answer(std::string_view path, bool gzip) const {
   if (!trouble_.empty()) {
     if (path != "/") return std::nullopt;
     return http_error(404, "the page is not to be had: " + trouble_ + "; /api/v1/health and the rest of /api/v1 are");
   }
   for (const File& file : files_)
-    if (file.path == path) return file.reply;
+    if (file.path == path) return gzip ? file.packed : file.reply;
   return std::nullopt;
 }
 

@@ -26,8 +26,9 @@ class PageFiles {
   // Reads every file of the list; one that cannot be read leaves no page.
   [[nodiscard]] static PageFiles read(const std::string& folder);
 
-  // nullopt: the path is not the page's. Thread-safe.
-  [[nodiscard]] std::optional<HttpReply> answer(std::string_view path) const;
+  // nullopt: the path is not the page's. gzip: the client takes it; then the files come in a third of their bytes.
+  // Thread-safe.
+  [[nodiscard]] std::optional<HttpReply> answer(std::string_view path, bool gzip = false) const;
 
   // Why there is no page; empty: there is one.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
@@ -35,7 +36,7 @@ class PageFiles {
  private:
   struct File {
     std::string path;
-    HttpReply reply;
+    HttpReply reply, packed;
   };
   std::vector<File> files_;
   std::string trouble_;

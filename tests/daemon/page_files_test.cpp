@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <filesystem>
 #include <fstream>
 #include <set>
 
+#include "daemon/serve/gzip.hpp"
 #include "daemon/serve/http_request.hpp"
 
 namespace dwell {
@@ -20,6 +22,20 @@ std::set<std::string> names_in(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (!entry.is_directory()) names.insert(fs::relative(entry.path(), folder).string());
   return names;
+}
+
+std::string unpacked(const std::string& gzip) {
+  std::string bytes(PageFiles::kLargest, '\0');
+  z_stream stream{};
+  EXPECT_EQ(inflateInit2(&stream, MAX_WBITS + 16), Z_OK);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(gzip.data()));
+  stream.avail_in = static_cast<uInt>(gzip.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_out = static_cast<uInt>(bytes.size());
+  EXPECT_EQ(inflate(&stream, Z_FINISH), Z_STREAM_END);
+  bytes.resize(stream.total_out);
+  inflateEnd(&stream);
+  return bytes;
 }
 
 struct PageFilesTest : testing::Test {
@@ -48,6 +64,34 @@ TEST_F(PageFilesTest, SayWhatTheyAreAndLetNothingForeignIn) {
     EXPECT_GT(reply->body.size(), 100U);
     EXPECT_EQ(reply->tag.front(), '"');
   }
+}
+
+TEST_F(PageFilesTest, ComeInAThirdOfTheirBytesToWhoTakesGzip) {
+  const PageFiles page = PageFiles::read(own_page_folder());
+  std::size_t plain = 0, packed = 0;
+  for (const std::string_view name : PageFiles::names()) {
+    const std::string path = name == "index.html" ? "/" : "/page/" + std::string(name);
+    const auto as_is = page.answer(path), gzip = page.answer(path, true);
+    ASSERT_TRUE(as_is && gzip) << path;
+    EXPECT_EQ(unpacked(gzip->body), as_is->body) << path;
+    EXPECT_EQ(gzip->encoding, "gzip");
+    EXPECT_EQ(as_is->encoding, "");
+    EXPECT_TRUE(as_is->varies && gzip->varies) << "a cache between must tell them apart";
+    EXPECT_NE(gzip->tag, as_is->tag);
+    EXPECT_EQ(gzip->policy, as_is->policy);
+    plain += as_is->body.size();
+    packed += gzip->body.size();
+  }
+  EXPECT_LT(packed, 2 * plain / 5);
+}
+
+TEST(Gzip, IsTakenByWhoNamesItAtAWeightAboveZero) {
+  for (const char* takes : {"gzip", "gzip, deflate, br", "deflate,GZIP", "br;q=1.0, gzip;q=0.8, *;q=0.1", "*",
+                            "gzip ; q=0.001", " , gzip"})
+    EXPECT_TRUE(accepts_gzip(takes)) << takes;
+  for (const char* does_not : {"", "identity", "deflate, br", "gzip;q=0", "gzip; q=0.000", "*;q=0", "*, gzip;q=0",
+                               "xgzip", "gzipx", ";", ","})
+    EXPECT_FALSE(accepts_gzip(does_not)) << does_not;
 }
 
 TEST_F(PageFilesTest, NoPathReachesAnotherFile) {

@@ -189,9 +189,10 @@ test('the run', () => {
 
 test('limits and warnings of the dwell are counted for the head, acknowledged or not', () => {
   const of = (...verdicts) => limitsText(dwellOf({ limits: verdicts.map((verdict) => ({ verdict })) }));
-  assert.deepEqual(of('violated', 'undecided', 'kept', 'none'), { text: '1 violated, 1 undecided', tone: 'alarm' });
+  assert.deepEqual(of('violated', 'undecided', 'kept', 'none'), { text: '1 violated, 1 undecided, 1 without a verdict', tone: 'alarm' });
   assert.deepEqual(of('undecided'), { text: '1 undecided', tone: 'calm' });
   assert.deepEqual(of('kept'), { text: 'all kept', tone: 'calm' });
+  assert.deepEqual(of('kept', 'none'), { text: '1 without a verdict', tone: 'calm' }, 'its number is withheld: nobody knows whether it is kept');
   assert.equal(of(), null);
   assert.equal(limitsText(idleOf({ limits: [{ verdict: 'none' }] })), null);
   const warnings = ['a', 'b'].map((text) => ({ kind: 'hum', text }));
