@@ -145,9 +145,10 @@ export function legendOf(shown, trendLacks = []) {
 }
 
 // What a trend beside a number is, and shows; '': there is none. reach_ms: before now; null: nothing is known yet.
-export function trendLegendOf(shown, reach_ms) {
+// someDoubted: it leaves out numbers.
+export function trendLegendOf(shown, reach_ms, someDoubted = false) {
   if (reach_ms === null || !shown.elements.some((e) => !e.last && e.cells.some((cell) => !cell.struck))) return '';
-  return `A trend shows the last ${ageText(reach_ms / 1e3)}. Its middle is the newest measured value, its upper and lower edge that value ± the % below it. The grey band is the ± of each value.`;
+  return `A trend shows the last ${ageText(reach_ms / 1e3)}. Its middle is the newest measured value, its upper and lower edge that value ± the % below it. The grey band is the ± of each value.${someDoubted ? ' Hatched: left out, do not rely on it.' : ''}`;
 }
 
 // { source, title, notes, reason, unstated, warnings, nowWarnings, elements: [{ k, reason, cells, last, notes }] }

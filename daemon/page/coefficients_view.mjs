@@ -30,7 +30,7 @@ function makeCell(cell) {
   return h('div', { class: 'coefficient' },
     h('dt', {}, h('span', { class: 'symbol' }, cell.symbol), h('span', { class: 'name' }, ` ${cell.name}`)),
     h('dd', {}, makeNumber(), s('svg', { class: 'trend', viewBox: `0 0 ${TREND.width} ${TREND.height}`, preserveAspectRatio: 'none',
-      role: 'img' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' }), h('span', { class: 'height', 'aria-hidden': 'true' }),
+      role: 'img' }, s('path', { class: 'band' }), s('path', { class: 'middle' }), s('path', { class: 'hatch' })), h('span', { class: 'deviation' }), h('span', { class: 'height', 'aria-hidden': 'true' }),
     h('span', { class: 'limit' })));
 }
 
@@ -51,6 +51,7 @@ function renewTrend(node, cell, view, source) {
   setText(height, texts?.height ?? '');
   setAttributes(trend.children[0], { d: paths?.band ?? '' });
   setAttributes(trend.children[1], { d: paths?.line ?? '' });
+  setAttributes(trend.children[2], { d: paths?.hatch ?? '' });
   const moved = source === 'measured' ? deviationOf(view.dwell, cell.of[0], k, view.nowMs) : null;
   setText(deviation, moved?.text ?? '');
   const long = (moved?.text.length ?? 0) > SHORT;
@@ -127,5 +128,5 @@ export function showCoefficients(view) {
   showWarnings($('now-warnings'), shown.nowWarnings);
   show($('now-warnings-title'), shown.nowWarnings.length > 0);
   setText($('legend'), legendOf(shown, view.trendLacks));
-  setText($('trend-legend'), trendLegendOf(shown, view.history.reachMs(view.nowMs)));
+  setText($('trend-legend'), trendLegendOf(shown, view.history.reachMs(view.nowMs), view.history.someDoubted(view.nowMs)));
 }

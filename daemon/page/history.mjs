@@ -1,5 +1,5 @@
 // How each coefficient has moved over the last hour, and, as the service tells it, since the dwell before. Pure.
-import { keyOf } from './coefficients.mjs';
+import { about, keyOf } from './coefficients.mjs';
 import { utcMs } from './wording.mjs';
 import { ageText, instantText, isNumber, numberText, percentText } from './number.mjs';
 
@@ -13,10 +13,14 @@ const JOINED_MS = 2.5 * LIVE_MS;
 // 1 + floor(t / LIVE_MS) points, one if t is below 10 s. So there is room for an hour of dwells of 5 s. Of shorter ones the
 // trend reaches less far back.
 export const ROOM = 720;
+// Between two strokes of the hatching, in the width of a trend.
+const HATCH = 6;
 
-// Numbers of an element in a point: value and U95 of each coefficient. NaN: there is none.
+// Numbers of an element in a point: value and U95 of each coefficient, NaN where there is none; and 1 where the service
+// doubts the element.
 const COLUMNS = { stiffness: 0, damping: 2 };
-const WIDTH = 4;
+const DOUBTED = 4;
+const WIDTH = 5;
 
 // A state of a dwell. row: where its numbers stand; ms: when it was so, UTC; from: since when its data count, UTC in ms;
 // dwell: { key, ended: the service's list has told the end }.
@@ -48,7 +52,8 @@ export class History {
 
   // A dwell of the service's list, with UTC of its end.
   takeEnded(dwell, ms) {
-    if (dwell.settled_s === null || this.#dwellOf(dwell)?.ended) return;
+    if (dwell.settled_s === null) return;
+    if (this.#dwellOf(dwell)?.ended) return this.#doubt(this.#points.findLast((p) => p.dwell.key === keyOf(dwell)), dwell);
     const newestPoint = () => this.#points.findLastIndex((p) => p.dwell.key === keyOf(dwell));
     // Its data were cut back to before the drive changed: what was told live beyond them counts no longer.
     while (this.#points[newestPoint()]?.ms > ms) this.#forget(newestPoint());
@@ -115,6 +120,13 @@ export class History {
         if (isNumber(value) && isNumber(U95)) this.#numbers.set([value, U95], this.#at(point, element.k) + column);
       }
     }
+    this.#doubt(point, dwell);
+  }
+
+  // A doubt may come after the end of a dwell. Its elements have their room already.
+  #doubt(point, dwell) {
+    for (const { k } of dwell.elements)
+      if (point && k <= this.#elements) this.#numbers[this.#at(point, k) + DOUBTED] = about(dwell.doubts, k).length > 0 ? 1 : 0;
   }
 
   #at(point, k) {
@@ -130,15 +142,16 @@ export class History {
     for (let row = 0; row <= ROOM; ++row) this.#numbers.set(numbers.subarray(row * had, (row + 1) * had), WIDTH * elements * row);
   }
 
-  // { value, U95 } of a coefficient in a point; null: it has none.
+  // { value, U95, doubted } of a coefficient in a point; null: it has none.
   #numberOf(point, coefficient, k) {
     if (k > this.#elements) return null;
     const at = this.#at(point, k) + COLUMNS[coefficient];
     const value = this.#numbers[at];
-    return Number.isNaN(value) ? null : { value, U95: this.#numbers[at + 1] };
+    return Number.isNaN(value) ? null : { value, U95: this.#numbers[at + 1], doubted: this.#numbers[this.#at(point, k) + DOUBTED] === 1 };
   }
 
-  // Points { ms, from, value, U95, key } of a coefficient, oldest first, the newest of now.
+  // Points { ms, from, value, U95, doubted, key } of a coefficient, oldest first, the newest of now. A doubt that came
+  // while the dwell went on concerns its earlier points as well: they are of the same motion.
   of(coefficient, k, nowMs) {
     const list = [];
     const add = (point) => {
@@ -148,7 +161,17 @@ export class History {
     this.#points.forEach(add);
     const { dwell, ms } = this.#live;
     if (dwell && !dwell.ended && this.#points.at(-1)?.ms !== ms) add(this.#live);
-    return list;
+    const newest = new Map(list.map((point) => [point.key, point.doubted]));
+    return list.map((point) => ({ ...point, doubted: point.doubted || newest.get(point.key) }));
+  }
+
+  // Whether a trend leaves out numbers that are doubted.
+  someDoubted(nowMs) {
+    const isDoubted = (point) => {
+      for (let k = 1; k <= this.#elements; ++k) if (this.#numbers[this.#at(point, k) + DOUBTED] === 1) return true;
+      return false;
+    };
+    return [...this.#points, this.#live].some((point) => point.dwell && point.ms > nowMs - HOUR_MS && isDoubted(point));
   }
 
   // What all trends show, ms before now: since the first dwell that is known, a minute at least, an hour at most. null:
@@ -176,22 +199,26 @@ export function deviationOf(dwell, coefficient, k, nowMs) {
 
 // Where a trend is drawn, in a box of this size: the band value ± U95 and the line in its middle, as paths. Dwells are not
 // joined, nor the points around an outage of one: nobody knows what was in between. The width is the time reach_ms before
-// now. The newest value ± its U95 takes half the height, or less where an older value was further away; wider bands, as at
-// a dwell's beginning, are cut off at the edge. half: from the middle to an edge, in the unit of the values. null: nothing
-// to draw.
+// now. Numbers that are doubted are left out: they set no scale, and hatching stands over the time that they are of. The
+// newest value that remains is the middle; it ± its U95 takes half the height, or less where an older value was further
+// away. Wider bands, as at a dwell's beginning, are cut off at the edge. half: from the middle to an edge, in the unit of
+// the values; null: all are doubted. Instead of an object null: nothing to draw.
 export function trendPaths(points, nowMs, reach, width, height) {
   if (points.length === 0) return null;
-  const newest = points.at(-1);
-  const most = Math.max(2 * newest.U95, ...points.map((p) => Math.abs(p.value - newest.value))) || Math.abs(newest.value) || 1;
-  const x = (p) => Math.max(0, width * (1 - (nowMs - p.ms) / reach)).toFixed(1);
+  const sound = points.filter((p) => !p.doubted);
+  const newest = sound.at(-1);
+  const most = newest ? Math.max(2 * newest.U95, ...sound.map((p) => Math.abs(p.value - newest.value))) || Math.abs(newest.value) || 1 : null;
+  const at = (ms) => Math.max(0, width * (1 - (nowMs - ms) / reach));
+  const x = (p) => at(p.ms).toFixed(1);
   const part = (value) => Math.min(1, Math.max(-1, (value - newest.value) / most));
   const y = (value) => (height / 2 - (height / 2 - 1) * part(value)).toFixed(1);
   let line = '';
   let band = '';
+  let hatch = '';
   const pieces = [];
   for (const point of points) {
     const before = pieces.at(-1)?.at(-1);
-    if (before?.key === point.key && point.ms - before.ms <= JOINED_MS) pieces.at(-1).push(point);
+    if (before?.key === point.key && before.doubted === point.doubted && point.ms - before.ms <= JOINED_MS) pieces.at(-1).push(point);
     else pieces.push([point]);
   }
   for (const piece of pieces) {
@@ -200,18 +227,26 @@ export function trendPaths(points, nowMs, reach, width, height) {
     const [first] = piece;
     const begins = points.find((p) => p.key === first.key) === first;
     const ends = [{ ...first, ms: Math.min(begins ? first.from : first.ms, first.ms - 3 * reach / width) }, ...piece];
+    if (first.doubted) {
+      for (let to = at(ends[0].ms); to < at(ends.at(-1).ms); to += HATCH) hatch += `M${to.toFixed(1)} ${height - 1}L${(to + HATCH).toFixed(1)} 1`;
+      continue;
+    }
     line += `M${ends.map((p) => `${x(p)} ${y(p.value)}`).join('L')}`;
     band += `M${ends.map((p) => `${x(p)} ${y(p.value + p.U95)}`).join('L')}L${[...ends].reverse().map((p) => `${x(p)} ${y(p.value - p.U95)}`).join('L')}Z`;
   }
-  return { line, band, half: most };
+  return { line, band, hatch, half: most };
 }
 
 // What a trend shows, { height: "± 0.28 %" of the newest value, spoken: for those who do not see it }. half: as above.
 export function trendTexts(points, reach_ms, half) {
-  const newest = points.at(-1).value;
-  const values = points.map((p) => p.value);
+  const over = `Trend of the last ${ageText(reach_ms / 1e3)}`;
+  const sound = points.filter((p) => !p.doubted);
+  if (sound.length === 0) return { height: '', spoken: `${over}: none of its values can be relied on` };
+  const newest = sound.at(-1).value;
+  const values = sound.map((p) => p.value);
   const away = (value) => `${value < newest ? '\u2212' : '+'}${percentText(Math.abs((value - newest) / newest))}`;
   const height = newest === 0 ? '' : `± ${percentText(half / Math.abs(newest))}`;
   const range = newest === 0 ? '' : `: from the newest value ${away(Math.min(...values))} to ${away(Math.max(...values))}, height ${height}`;
-  return { height, spoken: `Trend of the last ${ageText(reach_ms / 1e3)}${range}` };
+  const without = sound.length < points.length ? '; without values that must not be relied on' : '';
+  return { height, spoken: `${over}${range}${without}` };
 }

@@ -5,7 +5,7 @@ import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
 import { deviationOf, History, HOUR_MS, ROOM, trendPaths, trendTexts } from '../../daemon/page/history.mjs';
 import { phasorRows, placeLabels, polarOf, scalesText, shortened, shortNames } from '../../daemon/page/polar.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
-import { dwellOf, settlingOf, toldFreshness } from './sample.js';
+import { dwellOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 const at = Date.parse('2026-11-23T07:00:00Z');
 const withStiffness = (value, more) => {
@@ -149,6 +149,38 @@ test('a trend says how high it is, and what its line does for those who do not s
   const one = points.slice(2);
   assert.equal(trendTexts(one, HOUR_MS, trendPaths(one, at, HOUR_MS, 100, 32).half).height, '± 0.2 %', 'twice U95');
   assert.deepEqual(trendTexts([{ ...points[0], value: 0 }], HOUR_MS, 1), { height: '', spoken: 'Trend of the last 60 min' });
+});
+
+// A doubted value at the edge stretched the height to ± 45 %, and the sound ones lay flat.
+test('what is doubted sets no scale and no middle: hatching stands over its time, and the words say so', () => {
+  const point = (s, value, doubted = false) => ({ ms: at - 1e3 * s, from: at - 1e3 * s - 5000, value, U95: 0.1, doubted, key: String(s) });
+  const sound = [point(30, 10.3), point(20, 10)];
+  const [alone, all] = [sound, [point(50, 14, true), ...sound, point(0, 6, true)]].map((points) => ({ ...trendPaths(points, at, 60_000, 100, 32), points }));
+  assert.deepEqual([all.line, all.band, all.half], [alone.line, alone.band, alone.half]);
+  assert.equal(alone.hatch, '');
+  const strokes = all.hatch.split('M').slice(1).map((stroke) => Number(stroke.split(' ')[0]));
+  assert.ok(strokes.length >= 2 && strokes.every((x) => x < 20 || x > 80), `hatched at ${strokes}`);
+  assert.equal(trendTexts(all.points, 60_000, all.half).spoken,
+    `${trendTexts(sound, 60_000, alone.half).spoken}; without values that must not be relied on`);
+  const none = [point(50, 14, true)];
+  assert.equal(trendPaths(none, at, 60_000, 100, 32).line, '');
+  assert.deepEqual(trendTexts(none, 60_000, null), { height: '', spoken: 'Trend of the last 60 s: none of its values can be relied on' });
+});
+
+test('a doubt holds for the element and the dwell that it is of, also for what was told before it came, and after the end', () => {
+  const history = new History();
+  const doubt = warningOf([], [{ elements: [2], what: 'r_2 is negative' }]);
+  const doubted = (k) => history.of('stiffness', k, at + 90_000).map((p) => p.doubted);
+  history.take(dwellOf({ index: 1 }), at);
+  history.take(dwellOf({ index: 1, end_s: 42, ...doubt }), at + 20_000);
+  assert.deepEqual([doubted(1), doubted(2)], [[false, false], [true, true]]);
+  history.takeEnded(dwellOf({ index: 1, ...doubt }), at + 21_000);
+  history.takeEnded(dwellOf({ index: 2 }), at + 60_000);
+  assert.deepEqual(doubted(2), [true, true, false]);
+  assert.equal(history.someDoubted(at + 90_000), true);
+  assert.equal(history.someDoubted(at + 21_000 + HOUR_MS), false);
+  history.takeEnded(dwellOf({ index: 2, ...warningOf([], [{ elements: [], what: 'the model is contradicted' }]) }), at + 60_000);
+  assert.deepEqual([doubted(1), doubted(2)], [[false, false, true], [true, true, true]]);
 });
 
 test('the points of a dwell around an outage are not joined', () => {
