@@ -2,8 +2,9 @@
 // `dwellctl audit` does.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,18 @@
 namespace dwell::ctl {
 
 struct RunSummary {
+  // Most bytes that each of `dwells`, `models` and `events` keeps: the JSON text of an entry, and what its struct
+  // takes. The first entries are kept, those beyond are counted. A day with a fault each second holds 30 MB of events,
+  // 1500 dwells hold 30 MB. With twice as much, a hostile file makes `show` take more than 256 MiB; with half, such a
+  // day is not shown whole.
+  static constexpr std::size_t kListBytes = 32U << 20U;
+  static constexpr std::size_t kUnreadable = 20;  // most lines of `unreadable`
+
+  // Entries that exist, and are not in the lists.
+  struct LeftOut {
+    std::uint64_t dwells = 0, models = 0, events = 0, unreadable = 0;
+  };
+
   std::string file;
   std::uint64_t bytes = 0;  // on the disk, a -wal included
   record::RunHeader header;
@@ -26,9 +39,13 @@ struct RunSummary {
   std::vector<record::StoredModel> models;  // estimates from transients and verifications, by position
   std::vector<record::StoredEvent> events;
   std::vector<record::PersonalSignature> signatures;
+  LeftOut left_out;
+  // Which entries cannot be read, and why; one line each. The lists hold the rest.
+  std::vector<std::string> unreadable;
 };
 
-// Fails with "FILE: what is wrong". Cost: one page of the disk for each second of the run.
+// Fails with "FILE: what is wrong" where the file cannot be read as a run. Cost: one page of the disk for each second
+// of the run. Memory: three times kListBytes, and up to half as much again.
 [[nodiscard]] record::Result<RunSummary> read_summary(const std::string& file);
 
 // "closed", or "open": it is being recorded, or was cut off.
@@ -36,7 +53,8 @@ struct RunSummary {
 
 // The page, in lines of at most `columns` characters; only a table that does not fit makes longer ones.
 [[nodiscard]] std::string summary_page(const RunSummary& run, std::size_t columns);
-[[nodiscard]] nlohmann::ordered_json summary_json(const RunSummary& run);
+// The JSON object, piece by piece: as one value it would take several times the memory of the summary.
+void write_summary_json(const RunSummary& run, const std::function<void(const std::string&)>& write);
 
 // "countersigned by the service for anna (uid 1000): Anna Weber: reviewed, 2026-07-01T10:12:03Z". Does not check the
 // signature. Who vouches comes first: the person's words could look like that.

@@ -104,6 +104,7 @@ std::vector<std::string> cells(const Dwell& dwell, Coefficient ElementEstimate::
 }
 
 void append_wrapped(Section& to, const std::string& text, std::size_t columns) {
+  if (text.empty()) return;
   for (std::string& line : wrapped(printable(text), columns, 2)) to.body.push_back({std::move(line), Style::plain});
 }
 
@@ -156,6 +157,13 @@ std::string event_text(const record::FoldedEvent& folded, const record::RunHeade
   return event.comment.empty() ? text : text + ": " + event.comment;
 }
 
+// Of entries that the summary does not keep; empty: it keeps all.
+std::string left_out_text(std::uint64_t count, const char* what) {
+  if (count == 0) return {};
+  return "and " + std::to_string(count) + " more " + what + ", left out here and with --json: show keeps " +
+         bytes_text(static_cast<double>(RunSummary::kListBytes)) + " of them";
+}
+
 Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   std::size_t when = 0;
   std::size_t what = 0;
@@ -174,7 +182,7 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
     what = std::max(what, width(printable(event.what)));
   }
   Section section;
-  if (shown.empty()) return section;
+  if (shown.empty() && (losses || run.left_out.events == 0)) return section;
   section.head.push_back({losses ? "losses" : "events", Style::title});
   for (const record::FoldedEvent* one : shown) {
     std::string line = "  " + pad_right(printable(instant(one->event.utc, run.header)), when) + "  ";
@@ -185,17 +193,20 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   }
   if (left_out > 0)
     section.body.push_back({"  and " + std::to_string(left_out) + " more, which --json shows", Style::plain});
+  // Events that are left out may be losses too. They stand once, behind the last list.
+  if (!losses && run.left_out.events > 0)
+    append_wrapped(section, "  " + left_out_text(run.left_out.events, "events and losses"), columns);
   return section;
 }
 
 Section model_section(const RunSummary& run, std::size_t columns) {
   Section section;
-  if (run.models.empty()) return section;
+  if (run.models.empty() && run.left_out.models == 0) return section;
   section.head.push_back({"estimates and verifications", Style::title});
   const std::size_t left_out = run.models.size() - std::min(run.models.size(), kMostEvents);
   if (left_out > 0)
-    section.body.push_back({"  the newest " + std::to_string(kMostEvents) + " of " + std::to_string(run.models.size()) +
-                                "; --json shows all",
+    section.body.push_back({"  the last " + std::to_string(kMostEvents) + " of " + std::to_string(run.models.size()) +
+                                "; --json shows them",
                             Style::plain});
   for (std::size_t i = left_out; i < run.models.size(); ++i) {
     const record::StoredModel& model = run.models[i];
@@ -204,6 +215,8 @@ Section model_section(const RunSummary& run, std::size_t columns) {
          wrapped(line + printable(stored_model_text(model.kind, model.from, model.result)), columns, width(line)))
       section.body.push_back({std::move(part), Style::plain});
   }
+  if (run.left_out.models > 0)
+    append_wrapped(section, "  " + left_out_text(run.left_out.models, "estimates and verifications"), columns);
   return section;
 }
 
@@ -214,6 +227,16 @@ Section signature_section(const RunSummary& run, std::size_t columns) {
   for (const record::PersonalSignature& signature : run.signatures)
     for (std::string& line : wrapped("  " + printable(signature_text(signature)), columns, 4))
       section.body.push_back({std::move(line), Style::plain});
+  return section;
+}
+
+Section unreadable_section(const RunSummary& run, std::size_t columns) {
+  Section section;
+  if (run.unreadable.empty()) return section;
+  section.head.push_back({"cannot be read; the rest stands below", Style::title});
+  for (const std::string& why : run.unreadable) append_wrapped(section, "  " + why, columns);
+  if (run.left_out.unreadable > 0)
+    append_wrapped(section, "  and " + std::to_string(run.left_out.unreadable) + " more", columns);
   return section;
 }
 
@@ -229,14 +252,16 @@ std::string signature_text(const record::PersonalSignature& signature) {
 }
 
 std::string summary_page(const RunSummary& run, std::size_t columns) {
-  std::vector<Section> sections{facts(run, columns)};
+  std::vector<Section> sections{facts(run, columns), unreadable_section(run, columns)};
   std::vector<const Dwell*> dwells;
   for (const DwellView& view : run.dwells) {
     sections.push_back(dwell_section(view, columns));
     dwells.push_back(&view.dwell);
   }
   Section notes;
-  if (run.dwells.empty()) notes.body.push_back({"no dwell in this run", Style::plain});
+  append_wrapped(notes, left_out_text(run.left_out.dwells, "dwells"), columns);
+  if (run.dwells.empty() && run.left_out.dwells == 0)
+    notes.body.push_back({run.unreadable.empty() ? "no dwell in this run" : "no dwell that can be read", Style::plain});
   for (const std::string& text : legend_of(dwells)) append_wrapped(notes, text, columns);
   sections.push_back(std::move(notes));
   sections.push_back(model_section(run, columns));

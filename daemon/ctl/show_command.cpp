@@ -25,10 +25,15 @@ int show_run(const std::string& file, bool json) {
     tell_error(run.error());
     return kUsage;
   }
-  const std::size_t columns = isatty(STDOUT_FILENO) == 1 ? std::clamp(Terminal::size().columns, kPage, kWidest) : kPage;
-  const std::string text = json ? dump(summary_json(*run), 2) + "\n" : summary_page(*run, columns);
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  return kDone;
+  const auto print = [](const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); };
+  if (json) {
+    write_summary_json(*run, print);
+  } else {
+    print(
+        summary_page(*run, isatty(STDOUT_FILENO) == 1 ? std::clamp(Terminal::size().columns, kPage, kWidest) : kPage));
+  }
+  for (const std::string& why : run->unreadable) tell_error(why);
+  return run->unreadable.empty() ? kDone : kUsage;
 }
 
 }  // namespace dwell::ctl

@@ -311,6 +311,47 @@ TEST_F(RecordVerbs, ShowTellsOfAFaultThatLastsOnceWithItsSum) {
   EXPECT_EQ(nlohmann::json::parse(test::run({"show", "--json", run.path}).out)["events"].size(), 3u + 161u);
 }
 
+TEST_F(RecordVerbs, ShowNamesAnEntryThatCannotBeReadAndShowsTheRest) {
+  const test::ApiSchema schema;
+  SampleRun run = make("run.dwell");
+  run.results.push_back({200, true, "{}"});
+  write(run, key);
+  const Outcome page = test::run({"show", run.path});
+  EXPECT_EQ(page.code, 2);
+  const std::string why = run.path + ": the result at position 200: dwell object: index: expected to be there";
+  EXPECT_EQ(page.err, "dwellctl: " + why + "\n");
+  for (const char* part :
+       {"cannot be read; the rest stands below", "the result at position 200", "dwell 1 · ", "knocked"})
+    EXPECT_TRUE(holds(page.out, part)) << part << "\n" << page.out;
+  const Outcome json = test::run({"show", "--json", run.path});
+  EXPECT_EQ(json.code, 2);
+  EXPECT_EQ(schema.faults_of_text("shown_run", json.out), "");
+  const auto shown = nlohmann::json::parse(json.out);
+  EXPECT_EQ(shown["unreadable"], nlohmann::json::array({why}));
+  EXPECT_EQ(shown["dwells"].size(), 1u);
+  EXPECT_EQ(shown["events"].size(), 3u);
+}
+
+TEST_F(RecordVerbs, ShowCountsTheEntriesBeyondWhatItKeeps) {
+  const test::ApiSchema schema;
+  SampleRun run = make("run.dwell");
+  const std::size_t before = run.events.size(), all = before + 9000;
+  for (std::size_t i = before; i < all; ++i)
+    run.events.push_back({100, "2026-07-01T10:12:10.250000Z", "action", std::string(4000, 'x'), {}, "", "", ""});
+  write(run, key);
+  const Outcome json = test::run({"show", "--json", run.path});
+  EXPECT_EQ(json.code, 0) << json.err;
+  EXPECT_EQ(schema.faults_of_text("shown_run", json.out), "");
+  const auto shown = nlohmann::json::parse(json.out);
+  const std::size_t left_out = shown["left_out"]["events"].get<std::size_t>();
+  EXPECT_GT(left_out, 0u);
+  EXPECT_EQ(shown["events"].size() + left_out, all);
+  EXPECT_EQ(shown["left_out"]["dwells"], 0);
+  const Outcome page = test::run({"show", run.path});
+  EXPECT_EQ(page.code, 0);
+  EXPECT_TRUE(holds(page.out, "and " + std::to_string(left_out) + " more events and losses, left out")) << page.err;
+}
+
 TEST_F(RecordVerbs, ShowAsJsonHoldsTheEntriesAsTheyAre) {
   const std::string run = written("run.dwell");
   const auto json = nlohmann::json::parse(test::run({"show", "--json", run}).out);
