@@ -150,9 +150,13 @@ struct Recorder::Impl {
     log.set_clock(now);
     if (readiness.turn(now)) restart.store(true, std::memory_order_relaxed);
     read_inbox();
-    ring.drain({[this](const Record& record) {
+    ring.drain({[this, &now](const Record& record) {
                   if (may_bear_request(record)) read_inbox();
-                  if (is_edge(record, RunEdge::begins) && record.channel != 0) newest_start = record.channel;
+                  const bool begins = is_edge(record, RunEdge::begins);
+                  if (begins && record.channel != 0) newest_start = record.channel;
+                  // A run would open the directory itself and not tell what a crash left there.
+                  if (begins && !readiness.open() && readiness.look(now))
+                    restart.store(true, std::memory_order_relaxed);
                   log.record(record);
                 },
                 [this](const RingResult& result) {

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/directory_lock.hpp"
 #include "daemon/record/audit.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/record_ring.hpp"
@@ -185,6 +186,33 @@ TEST_F(RecorderTest, WhereNoRunWaitsTheLogTellsAtOnceThatRunsCanBeRecorded) {
   ASSERT_TRUE(eventually([&] { return recorder.obstacle().of_every_run; }));
   std::filesystem::remove_all(scratch.path("reserve"));
   EXPECT_TRUE(eventually([&] { return notices.hold("runs can be recorded again"); }));
+}
+
+// The service before was killed and is not gone yet when this one looks at the directory for the first time.
+TEST_F(RecorderTest, ARunThatBeginsInADirectoryThatJustBecameFreeTellsOfTheOneThatWasCutOff) {
+  const std::string left = scratch.path("left");
+  {
+    Recorder recorder(recorder_options(scratch.path("before"), notices));
+    SyntheticStream stream = stream_to(recorder);
+    stream.starts();
+    stream.play(3.0);
+    ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).run.samples > 0; }));
+    std::filesystem::copy(scratch.path("before"), left, std::filesystem::copy_options::recursive);  // as a kill leaves it
+  }
+  std::optional<DirectoryLock> other(std::in_place);
+  ASSERT_TRUE(other->take(left));
+  {
+    Recorder recorder(recorder_options(left, notices));
+    ASSERT_TRUE(eventually([&] { return notices.hold("another dwelld records here"); }));
+    other.reset();
+    SyntheticStream stream = stream_to(recorder);
+    stream.starts();
+    stream.play(2.0);
+    ASSERT_TRUE(eventually([&] { return notices.hold("recording run 2 \"rubber 3\", begun by service"); })) << notices.text();
+    EXPECT_TRUE(notices.hold("run 1 was cut off")) << notices.text();
+    EXPECT_TRUE(notices.hold("runs can be recorded again")) << notices.text();
+    EXPECT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).alarms.empty(); }));
+  }
 }
 
 TEST_F(RecorderTest, AThreadThatDoesNotTurnIsAnAlarm) {
