@@ -203,7 +203,8 @@ TEST(ARunThatTheLedgerDoesNotKnowYet, IsNeitherTamperedNorIntact) {
   const auto audit = audit_run(file, options);
   ASSERT_FALSE(audit);
   EXPECT_EQ(audit.error(),
-            file + ": the ledger has no entry of run 1 yet; the service is about to write it: audit it again");
+            file + ": the ledger has no entry of run 1 yet: the service writes it as the run begins; after a crash, at its "
+                   "next start");
   fs::remove(first);
   EXPECT_EQ(audit_run(file, options)->where, "the ledger does not know run 1") << "it was slipped in";
 }
