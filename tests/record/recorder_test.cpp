@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "daemon/clock.hpp"
-#include "daemon/record/directory_lock.hpp"
 #include "daemon/record/audit.hpp"
+#include "daemon/record/directory_lock.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/record_ring.hpp"
 #include "daemon/record/run_reader.hpp"
@@ -197,7 +197,8 @@ TEST_F(RecorderTest, ARunThatBeginsInADirectoryThatJustBecameFreeTellsOfTheOneTh
     stream.starts();
     stream.play(3.0);
     ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).run.samples > 0; }));
-    std::filesystem::copy(scratch.path("before"), left, std::filesystem::copy_options::recursive);  // as a kill leaves it
+    std::filesystem::copy(scratch.path("before"), left,
+                          std::filesystem::copy_options::recursive);  // as a kill leaves it
   }
   std::optional<DirectoryLock> other(std::in_place);
   ASSERT_TRUE(other->take(left));
@@ -208,7 +209,8 @@ TEST_F(RecorderTest, ARunThatBeginsInADirectoryThatJustBecameFreeTellsOfTheOneTh
     SyntheticStream stream = stream_to(recorder);
     stream.starts();
     stream.play(2.0);
-    ASSERT_TRUE(eventually([&] { return notices.hold("recording run 2 \"rubber 3\", begun by service"); })) << notices.text();
+    ASSERT_TRUE(eventually([&] { return notices.hold("recording run 2 \"rubber 3\", begun by service"); }))
+        << notices.text();
     EXPECT_TRUE(notices.hold("run 1 was cut off")) << notices.text();
     EXPECT_TRUE(notices.hold("runs can be recorded again")) << notices.text();
     EXPECT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).alarms.empty(); }));
