@@ -1,12 +1,11 @@
 #include "daemon/ctl/recorded_run.hpp"
 
 #include <cstdio>
-#include <filesystem>
-#include <system_error>
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/run_source.hpp"
 #include "daemon/ctl/table_motion.hpp"
+#include "daemon/record/regular_file.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -38,13 +37,11 @@ void tell_error(const std::string& text) {
 }
 
 tl::expected<RecordedRun, int> RecordedRun::load(const std::string& rig, const std::string& data) {
+  if (const auto file = record::open_regular(data); !file) return unusable(file.error());
   return is_run_file(data) ? from_run_file(rig, data) : from_csv(rig, data);
 }
 
 tl::expected<RecordedRun, int> RecordedRun::from_csv(const std::string& rig, const std::string& data) {
-  std::error_code failed;
-  (void)std::filesystem::status(data, failed);
-  if (failed) return unusable(data + ": " + failed.message());
   if (rig.empty()) {
     tell_error(data + " is no run file; a recording as text needs its rig file: --rig RIG.toml");
     return tl::make_unexpected(kUsage);

@@ -1,5 +1,7 @@
 // dwellctl identify as its users see it: exit code, what is printed, what is said on standard error.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -38,6 +40,25 @@ TEST(CommandLine, IdentifyPrintsTheDwellsOfARecording) {
   ASSERT_EQ(document["dwells"].size(), 1U);
   EXPECT_NEAR(document["dwells"][0]["elements"][0]["stiffness"]["value"].get<double>(), 240000.0, 0.24);
   EXPECT_EQ(document["dwells"][0]["rig_sha256"].get<std::string>().size(), 64U);
+}
+
+TEST(CommandLine, IdentifyAndVerifySayWhatIsNoFile) {
+  const test::TemporaryFolder folder;
+  const std::string pipe = folder.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const char* verb : {"identify", "verify"}) {
+    for (const std::string& path : {pipe, folder.path(""), std::string("/dev/zero")}) {
+      const Outcome refused = run({verb, path});
+      EXPECT_EQ(refused.code, 2) << path;
+      EXPECT_EQ(refused.err, "dwellctl: " + path + ": is no regular file\n");
+    }
+    const std::string secret = folder.file("secret", "x");
+    ASSERT_EQ(::chmod(secret.c_str(), 0), 0);
+    if (::geteuid() == 0) continue;  // may read any file
+    const Outcome refused = run({verb, secret});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_EQ(refused.err, "dwellctl: " + secret + ": Permission denied\n");
+  }
 }
 
 TEST(CommandLine, IdentifySaysWhyThereIsNothing) {
