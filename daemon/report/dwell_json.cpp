@@ -1,9 +1,13 @@
 #include "daemon/report/dwell_json.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
+#include <string_view>
 
+#include "core/base/printable.hpp"
 #include "core/result/moved.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
@@ -11,6 +15,42 @@
 
 namespace dwell {
 namespace {
+
+// Bytes of the character at the beginning of `text` if a terminal may obey it though JSON allows it as it is: DEL, C1
+// controls, those of the writing direction, and U+2028 and U+2029, which some programs take for the end of a line.
+std::size_t obeyed_bytes(std::string_view text) {
+  if (static_cast<unsigned char>(text.front()) < 0x20) return 0;  // a line break between values
+  for (const std::string_view separator : {"\u2028", "\u2029"})
+    if (text.substr(0, separator.size()) == separator) return separator.size();
+  return control_bytes(text);
+}
+
+// "\\u202e" for a character of one to three bytes of UTF-8.
+std::string escape_of(std::string_view character) {
+  constexpr std::array<unsigned, 3> kFirst{0x7F, 0x1F, 0x0F};  // bits of the first byte that belong to the code
+  unsigned code = static_cast<unsigned char>(character.front()) & kFirst.at(character.size() - 1);
+  for (const char c : character.substr(1)) code = code << 6U | (static_cast<unsigned char>(c) & 0x3FU);
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "\\u%04x", code);
+  return text.data();
+}
+
+// The same JSON with such characters escaped. They stand within strings alone.
+std::string escaped(std::string_view text) {
+  std::string out;
+  out.reserve(text.size() + text.size() / 8);
+  while (!text.empty()) {
+    const std::size_t obeyed = obeyed_bytes(text);
+    out += obeyed > 0 ? escape_of(text.substr(0, obeyed)) : std::string(1, text.front());
+    text.remove_prefix(obeyed > 0 ? obeyed : 1);
+  }
+  return out;
+}
+
+// Whether all is ASCII without DEL. Nearly every text is.
+bool is_plain(std::string_view text) {
+  return std::none_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x7F; });
+}
 
 Json numbers(const std::vector<double>& values) {
   Json array = Json::array();
@@ -214,7 +254,8 @@ Json json_value(const DwellView& view, Detail detail) {
 }
 
 std::string dump(const Json& value, int indent) {
-  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+  std::string text = value.dump(indent, ' ', false, Json::error_handler_t::replace);
+  return is_plain(text) ? text : escaped(text);
 }
 
 std::string to_json(const DwellView& view) { return dump(json_value(view)); }

@@ -22,7 +22,8 @@ struct MotionView;
 [[nodiscard]] Json json_value(const MotionView& view, Detail detail = Detail::whole);
 [[nodiscard]] tl::expected<DwellView, std::string> dwell_from_json(const Json& value);
 
-// Text of a document; indent < 0: one line. Bytes that are not UTF-8 are replaced, never thrown over.
+// Text of a document; indent < 0: one line. Bytes that are not UTF-8 are replaced, never thrown over. Characters that a
+// terminal may obey, or that turn the direction of text, are written as \uXXXX.
 [[nodiscard]] std::string dump(const Json& value, int indent = -1);
 
 }  // namespace dwell

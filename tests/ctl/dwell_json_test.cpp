@@ -277,6 +277,16 @@ TEST(DwellJson, NamesTheFieldThatIsNotAsExpected) {
   EXPECT_EQ(mistake_of("/some_later_extension", 3), "");
 }
 
+TEST(DwellJson, EscapesWhatATerminalMayObey) {
+  const std::string controls = "\x7f|\u0080|\u009b|\u009f|\u061c|\u200e|\u202a|\u202e|\u2028|\u2029|\u2066|\u2069";
+  EXPECT_EQ(dump(Json(controls)),
+            R"("\u007f|\u0080|\u009b|\u009f|\u061c|\u200e|\u202a|\u202e|\u2028|\u2029|\u2066|\u2069")");
+  EXPECT_EQ(Json::parse(dump(Json(controls))), Json(controls));
+  const std::string harmless = "° \u00a0 µ · — € 😀 \u202f";
+  EXPECT_EQ(dump(Json(harmless)), "\"" + harmless + "\"");
+  EXPECT_EQ(dump(Json{{"a", "\u009b"}}, 2), "{\n  \"a\": \"\\u009b\"\n}");
+}
+
 constexpr char kFiller = 'x';
 
 RC_GTEST_PROP(DwellJson, SurvivesAnyDamageToItsText, ()) {
