@@ -171,7 +171,10 @@ struct RunFolder::Impl {
   // Why the ledger refuses the entries of the runs so far.
   Result<void> ledger_takes() const {
     std::string refused = ledger_jobs.refused();
-    return refused.empty() ? Result<void>() : tl::unexpected(std::move(refused));
+    if (refused.empty()) return {};
+    if (!std::filesystem::exists(ledger_in(options.directory)))
+      refused += "; put it back, or restart the service to begin a new one";
+    return tl::unexpected(std::move(refused));
   }
 
   // Has the ledger take an entry after those of the runs so far; fails if it refuses those.
@@ -238,6 +241,7 @@ Result<void> RunFolder::open() {
 
 bool RunFolder::is_open() const noexcept { return impl_->signs.has_value(); }
 const PublicKey& RunFolder::key() const noexcept { return impl_->signs->key.public_key(); }
+bool RunFolder::key_is_new() const noexcept { return impl_->signs->made; }
 
 Result<void> RunFolder::ready() {
   Impl& self = *impl_;

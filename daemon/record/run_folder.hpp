@@ -47,6 +47,8 @@ class RunFolder final : public RunStore {
   [[nodiscard]] bool is_open() const noexcept;
   // The public key of the one with which the service signs. The folder must be open.
   [[nodiscard]] const PublicKey& key() const noexcept;
+  // Whether open() made that key: this is the first start in the directory. The folder must be open.
+  [[nodiscard]] bool key_is_new() const noexcept;
 
   [[nodiscard]] Result<void> ready() override;
   // The ledger's entry comes after this returns; if the ledger refuses it, write() fails.

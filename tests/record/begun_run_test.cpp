@@ -336,7 +336,8 @@ TEST(ALedgerThatRefusesTheBeginningOfARun, EndsTheRecordingAndGetsItsEntriesWhen
     ASSERT_EQ(begin_without_ledger(folder, ledger, away), "");
     RunHeader header = rig_header();
     header.start_utc = "2026-11-23T00:00:01Z";
-    const std::string why = ledger + ": the file was removed while it was written";
+    const std::string why =
+        ledger + ": the file was removed while it was written; put it back, or restart the service to begin a new one";
     EXPECT_EQ(folder.write(one_event()).error(), why);
     EXPECT_TRUE(folder.end(the_end())) << "the file is closed";
     folder.settle();

@@ -139,6 +139,15 @@ TEST_F(RecorderTest, TellsWhatCameOfAnOperatorsStart) {
       << recorder.obstacle().why;
 }
 
+TEST_F(RecorderTest, TellsOfTheKeyThatItMakesAndOnlyThen) {
+  for (const bool first : {true, false}) {
+    Notices told;
+    Recorder recorder(recorder_options(scratch.path(), told));
+    ASSERT_TRUE(recorder.await_first_file(std::chrono::seconds(20)));
+    EXPECT_EQ(told.hold("a key was made and a ledger begins: "), first);
+  }
+}
+
 TEST_F(RecorderTest, ADirectoryThatCannotBeUsedIsAnAlarmAndNothingMore) {
   Recorder recorder(recorder_options("/proc/nowhere", notices));
   SyntheticStream stream = stream_to(recorder);
