@@ -219,9 +219,11 @@ struct Service::Impl {
     return ControlReply([this, request = std::move(*asked)](const ControlReply::Answer& answer) {
       signer->ask(request, [this, answer](const record::Result<Signed>& made) {
         loop.post([this, answer, made] {
-          if (made && made->signature)
+          if (!made)
+            log.info("neither signed nor entered: " + printable(made.error()));
+          else if (made->signature)
             log.info("run " + std::to_string(made->run) + " signed by " + made->signature->name);
-          else if (made && made->entered > 0)
+          else if (made->entered > 0)
             log.info("run " + std::to_string(made->run) +
                      ": signatures entered into the ledger: " + std::to_string(made->entered));
           answer(sign_answer(made));
