@@ -5,12 +5,14 @@ import { frequencyText, limitsText, modelOf, playsRecording, runFact, sinceMs, s
 
 const $ = (id) => document.getElementById(id);
 
-// One shape for each kind, 24 × 24: told apart without any colour.
+// By their names, 24 × 24: told apart without any colour.
 const SHAPES = {
   connecting: [['circle', { cx: 12, cy: 12, r: 9, class: 'line dashed' }]],
   idle: [['circle', { cx: 12, cy: 12, r: 9, class: 'line' }]],
   settling: [['path', { d: 'M5 3h14M5 21h14M7 3c0 6 10 12 10 18M17 3c0 6 -10 12 -10 18', class: 'line' }]],
   measuring: [['circle', { cx: 12, cy: 12, r: 9, class: 'line' }], ['circle', { cx: 12, cy: 12, r: 5, class: 'area' }]],
+  part: [['circle', { cx: 12, cy: 12, r: 9, class: 'line' }], ['path', { d: 'M12 7a5 5 0 0 0 0 10Z', class: 'area' }]],
+  none: [['path', { d: 'M12 1L23 12L12 23L1 12Z', class: 'area' }], ['path', { d: 'M7 12h10', class: 'cut' }]],
   complete: [['rect', { x: 4, y: 4, width: 16, height: 16, class: 'area' }]],
   fault: [['path', { d: 'M12 2L23 21H1Z', class: 'area' }], ['path', { d: 'M12 9v6M12 17v2', class: 'cut' }]],
   locked: [['rect', { x: 4, y: 10, width: 16, height: 11, class: 'area' }], ['path', { d: 'M7.5 10V7a4.5 4.5 0 0 1 9 0v3', class: 'line' }]],
@@ -18,10 +20,10 @@ const SHAPES = {
 };
 
 let drawn = null;
-function showShape(kind) {
-  if (drawn === kind) return;
-  drawn = kind;
-  $('shape').replaceChildren(s('svg', { viewBox: '0 0 24 24' }, ...SHAPES[kind].map(([tag, attributes]) => s(tag, attributes))));
+function showShape(shape) {
+  if (drawn === shape) return;
+  drawn = shape;
+  $('shape').replaceChildren(s('svg', { viewBox: '0 0 24 24' }, ...SHAPES[shape].map(([tag, attributes]) => s(tag, attributes))));
 }
 
 function sinceText(view) {
@@ -78,7 +80,7 @@ export function showHead(view) {
   setText($('rig'), rig);
   setText(document.querySelector('title'), `${state.age ? 'last seen: ' : ''}${state.word} · ${rig}`);
   setAttributes($('state'), { 'data-tone': state.tone, 'data-kind': state.kind });
-  showShape(state.doubted ? 'fault' : state.kind);
+  showShape(state.shape);
   setText($('word'), state.word);
   setText($('detail'), state.detail);
   setAttributes($('detail'), { class: state.age ? 'old' : '' });

@@ -17,11 +17,16 @@ export const NOT_VERIFIED = 'not verified yet'; // as the service says it
 
 // More elements than these are counted, not named.
 const NAMED = 6;
-function withheldText(elements) {
+// The state while it is measured. Without any number "measuring" would pass for healthy across the room: the word, the
+// shape and the colour are others then. Where some elements have none, the word and the shape are.
+function measuringOf({ elements, end_s, settled_s }) {
+  const data = `${secondsText(end_s - settled_s)} of data`;
   const ks = elements.filter((e) => !e.identifiable).map((e) => e.k);
-  if (ks.length === 0) return '';
-  if (ks.length === elements.length) return '; no coefficients';
-  return `; no coefficients of ${ks.length > NAMED ? `${ks.length} of ${elements.length} elements` : `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`}`;
+  if (ks.length === elements.length)
+    return { ...said('measuring', 'no coefficients', `measuring, ${data}; ${ks.length > 0 ? 'withheld: see why at each element' : 'none so far'}`), tone: 'care', shape: 'none' };
+  if (ks.length === 0) return said('measuring', 'measuring', data);
+  const whose = ks.length > NAMED ? `${ks.length} of ${elements.length} elements` : `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`;
+  return { ...said('measuring', 'measuring in part', `${data}; no coefficients of ${whose}`), shape: 'part' };
 }
 
 // A doubt about one element stands beside it, any other above them all, once.
@@ -51,7 +56,7 @@ export const warningsOf = (dwell) => dwell.warnings.map((text, i) => ({ text, ..
 // How many these are. null: none.
 export const warningsText = (dwell) => (dwell && warningsOf(dwell).length > 0 ? String(warningsOf(dwell).length) : null);
 
-const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
+const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind], shape: kind });
 
 // What is so whatever the dwell; null: then the dwell tells the state.
 function stateOfService({ dwell, health, fresh, now, refused }) {
@@ -78,16 +83,15 @@ function stateOfDwell(dwell) {
       : `time left not known${dwell.settling_reason ? `: ${dwell.settling_reason}` : ''}`);
   }
   if (dwell.state === 'measuring') {
-    const state = said('measuring', 'measuring', `${secondsText(dwell.end_s - dwell.settled_s)} of data`);
-    state.detail += withheldText(dwell.elements);
+    const state = measuringOf(dwell);
     if (dwell.doubts.length === 0) return state;
-    return { ...state, tone: 'alarm', doubted: true, detail: `${state.detail}; do not rely on ${whom(dwell.doubts)}` };
+    return { ...state, tone: 'alarm', shape: 'fault', detail: `${state.detail}; do not rely on ${whom(dwell.doubts)}` };
   }
   if (dwell.state === 'complete') return said('complete', 'complete', dwell.settling_reason || `ended by: ${dwell.ended_by}`);
   return said('idle', 'idle', dwell.settling_reason || 'the table does not move');
 }
 
-// The state as the page must show it: { kind, word, detail, tone, doubted, age }. age: how old this is, as text, where that
+// The state as the page must show it: { kind, word, detail, tone, shape, age }. shape: its name, as head_view.mjs draws it. age: how old this is, as text, where that
 // is too old while the service answers; else null. view: { dwell, health, fresh, now, refused: nobody is logged in, and
 // nothing may be read }; dwell and health may be null.
 export function stateOf(view) {
