@@ -172,24 +172,30 @@ export async function finestOf(answer, ask) {
     channels: answer.channels.map(({ name, unit }, c) => ({ name, unit, min: all(c, 'min'), max: all(c, 'max') })) };
 }
 
-// In each bin there is one reading of a channel at most.
-const single = ({ step_s, channels }) => step_s === FINEST_S && channels.every(({ min, max }) => min.every((low, i) => low === max[i]));
+// In each bin there is one reading of the channel at most.
+const single = ({ step_s }, { min, max }) => step_s === FINEST_S && min.every((low, i) => low === max[i]);
 
 // What the rows of a file hold, in words.
-export const savedText = (answer) => (single(answer) ? `single readings, each within ${widthText(answer)} after its t`
-  : `the smallest and the largest reading of each ${widthText(answer)}`);
+export function savedText(answer) {
+  const width = widthText(answer);
+  const pairs = answer.channels.filter((channel) => !single(answer, channel)).map(({ name }) => name);
+  if (pairs.length === answer.channels.length) return `the smallest and the largest reading of each ${width}`;
+  const readings = `single readings, each within ${width} after its t`;
+  return pairs.length === 0 ? readings : `${readings}; of ${pairs.join(', ')} the smallest and the largest reading of each ${width}, for two came within one`;
+}
 
 // An answer of GET /api/v1/traces as CSV, its numbers as they came: t in seconds since `origin_utc`, where each bin begins,
-// then the smallest and the largest reading of each channel, or its reading where no bin has two. An empty cell: no
-// reading. All that is to be known stands in the heads: many readers of CSV know no comments.
+// then the smallest and the largest reading of each channel, or its reading where none of its bins has two. An empty cell:
+// no reading. All that is to be known stands in the heads: many readers of CSV know no comments.
 export function csvOf(answer) {
-  const one = single(answer);
+  const ones = answer.channels.map((channel) => single(answer, channel));
+  const one = ones.includes(true);
   const [less, width] = [lessText(answer), widthText(answer)];
-  const heads = answer.channels.flatMap(({ name, unit }) => (one ? [`${name}${less} [${unit}]`]
+  const heads = answer.channels.flatMap(({ name, unit }, c) => (ones[c] ? [`${name}${less} [${unit}]`]
     : ['min', 'max'].map((which) => `${name} ${which} in ${width}${less} [${unit}]`)));
   const lines = [[`t [s since ${answer.origin_utc}${one ? `; readings are up to ${width} later` : ''}]`, ...heads].map(quoted).join(',')];
   for (let i = 0; i < answer.bins; ++i) {
-    const values = answer.channels.flatMap((c) => (one ? [c.min[i]] : [c.min[i], c.max[i]]));
+    const values = answer.channels.flatMap(({ min, max }, c) => (ones[c] ? [min[i]] : [min[i], max[i]]));
     if (answer.step_s === FINEST_S && values.every((value) => value === null)) continue; // most of them
     lines.push([String(Number((answer.from_s + i * answer.step_s).toFixed(9))), ...values.map(cell)].join(','));
   }

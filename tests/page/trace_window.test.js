@@ -128,12 +128,13 @@ test('where the view is too long, or readings are no longer kept, there are no s
   assert.notEqual(await finestOf(inView(0, 1.22, { less_dwell: 3 }), serviceOf(() => ({ less_dwell: 3 })).ask), null);
 });
 
-test('where two readings are in one of the narrowest bins, the file has the smaller and the larger one', async () => {
+// One such bin made pairs of all columns.
+test('where two readings of a channel are in one of the narrowest bins, the file has the smaller and the larger one of that channel', async () => {
   const twice = ([y0, y1]) => [{ ...y0, max: y0.max.map((value, i) => (i === 4 ? value + 1 : value)) }, y1];
   const finest = await finestOf(inView(2.0004, 2.0024, { bins: 1, step_s: 0.002 }), serviceOf((n, channels) => ({ channels: twice(channels) })).ask);
-  assert.equal(csvOf(finest), 't [s since 2026-11-23T07:00:00.000000Z],y0 min in 0.3125 ms [mm],y0 max in 0.3125 ms [mm],y1 min in 0.3125 ms [mm],y1 max in 0.3125 ms [mm]\n' +
-    '2.000625,6402,6402,,\n2.0015625,6405,6406,,\n');
-  assert.equal(savedText(finest), 'the smallest and the largest reading of each 0.3125 ms');
+  assert.equal(csvOf(finest), 't [s since 2026-11-23T07:00:00.000000Z; readings are up to 0.3125 ms later],y0 min in 0.3125 ms [mm],y0 max in 0.3125 ms [mm],y1 [mm]\n' +
+    '2.000625,6402,6402,\n2.0015625,6405,6406,\n');
+  assert.equal(savedText(finest), 'single readings, each within 0.3125 ms after its t; of y0 the smallest and the largest reading of each 0.3125 ms, for two came within one');
 });
 
 test('CSV of readings less the steady part says so in every head and in its name, with the data it was fitted to', () => {
