@@ -28,7 +28,7 @@ std::string preamble(const Selection& selection, const Provenance& provenance) {
   std::string text = comment("run " + std::to_string(run.run) + (run.label.empty() ? "" : ", " + run.label) + "; rig " +
                              selection.rig().name + "; begun " + run.start_utc + " on " + run.origin.host + ", clock " +
                              clock_text(run.origin));
-  text += comment("id " + run.id + "; head " + provenance.head + "; audit: " + provenance.audit);
+  text += comment("id " + run.id + "; head " + head_text(provenance) + "; audit: " + provenance.audit);
   text += comment("made by " + provenance.program + ", " + provenance.made_utc);
   text += comment("t: s on the run's axis, exact to 1 ns. value: the device's own number.");
   for (const Channel& channel : selection.rig().channels) text += channel_comment(channel);

@@ -49,9 +49,9 @@ void describe(const Hdf5Id& group, const Channel& c, Motion motion) {
   hdf5_attribute(group, "delay_s", c.delay_s);
   hdf5_attribute(group, "measures", std::string(config::to_string(c.measures)));
   hdf5_attribute(group, "at", place_text(c.at));
-  hdf5_attribute(group, "relative_to", c.relative_to ? place_text(*c.relative_to) : std::string());
-  hdf5_attribute(group, "calibration_id", c.calibration.id);
-  hdf5_attribute(group, "calibration_due", c.calibration.due);
+  if (c.relative_to) hdf5_attribute(group, "relative_to", place_text(*c.relative_to));
+  if (!c.calibration.id.empty()) hdf5_attribute(group, "calibration_id", c.calibration.id);
+  if (!c.calibration.due.empty()) hdf5_attribute(group, "calibration_due", c.calibration.due);
   if (c.measures == Quantity::force)
     hdf5_attribute(group, "positive", std::string(c.force_on_mass ? "mass" : "ground"));
 }
@@ -77,7 +77,7 @@ void describe(const Hdf5Id& file, const Selection& selection, const Provenance& 
   hdf5_attribute(file, "zero_ns", selection.zero_ns());
   if (selection.from_ns() != INT64_MIN) hdf5_attribute(file, "from_ns", selection.from_ns() - selection.zero_ns());
   if (selection.to_ns() != INT64_MAX) hdf5_attribute(file, "to_ns", selection.to_ns() - selection.zero_ns());
-  text("head", provenance.head);
+  if (!provenance.head.empty()) text("head", provenance.head);  // absent: not checked
   text("audit", provenance.audit);
   text("made_by", provenance.program);
   text("made_utc", provenance.made_utc);

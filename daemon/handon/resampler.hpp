@@ -55,6 +55,10 @@ class Resampler {
   // Readings around an instant that its estimate uses: about half before, half behind. Doubled, the equations
   // cost four times as much.
   static constexpr int kReadings = SharedInstants::kReadings;
+  // Fewest readings of a stretch worth writing. The first and the last 16 serve as neighbours only: so at least as much
+  // is written as is lost at either end. Half as many: no even instant, or a few that rest on the same readings. Twice
+  // as many: 48 readings more are lost between two gaps.
+  static constexpr int kFewest = kReadings + kReadings / 2;
   // The equations of one set of readings serve the even instants up to so many readings behind the middle. 0: nearly
   // each reading needs equations of its own, which cost five times as much in all; the rms errors of the tests' sines
   // are up to a fifth smaller.

@@ -35,6 +35,27 @@ Result<Selection> Selection::open(const std::string& path, const Range& range) {
   return selection;
 }
 
+Result<Selection> Selection::open_damaged(const std::string& path) {
+  auto reader = record::RunReader::open(path);
+  if (!reader) return tl::make_unexpected(reader.error());
+  Selection selection(path, std::move(*reader));
+  if (auto done = selection.read_rig(); !done) {
+    selection.unreadable_.push_back(done.error());
+    selection.has_rig_ = false;
+    selection.rig_.rig = Rig();
+    constexpr std::size_t kMost = 1000;  // a hostile header may name millions
+    for (const std::string& name : selection.header().channels) {
+      if (selection.rig_.rig.channels.size() == kMost) break;
+      selection.rig_.rig.channels.emplace_back().name = name;
+      selection.rig_.rig.channels.back().unit.clear();
+    }
+  }
+  if (auto done = selection.find_zero(); !done) selection.unreadable_.push_back(done.error());
+  selection.from_ns_ = INT64_MIN;
+  selection.to_ns_ = INT64_MAX;
+  return selection;
+}
+
 Result<void> Selection::read_rig() {
   auto rig = config::parse(header().rig.text, header().rig.path, {});
   if (!rig) {
@@ -128,6 +149,10 @@ bool Selection::overlaps(double start_s, double end_s) const noexcept {
   const auto before = [this](double s, std::int64_t t_ns) { return s < axis_s(t_ns); };
   if (from_ns_ != INT64_MIN && before(end_s, from_ns_)) return false;
   return to_ns_ == INT64_MAX || !(start_s > axis_s(to_ns_));
+}
+
+std::string head_text(const Provenance& provenance) {
+  return provenance.head.empty() ? "not checked" : provenance.head;
 }
 
 std::string clock_text(const record::Origin& origin) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "config/rig_file.hpp"
 #include "core/stream/record.hpp"
@@ -32,6 +33,14 @@ class Selection {
  public:
   // Fails with "FILE: what is wrong, what was expected", also if the rig file in it cannot be read.
   [[nodiscard]] static Result<Selection> open(const std::string& path, const Range& range);
+
+  // The whole run, for a report, also where its rig file or the begin of its stream cannot be read: unreadable() says
+  // what. Fails only if the file cannot be read as a run.
+  [[nodiscard]] static Result<Selection> open_damaged(const std::string& path);
+  [[nodiscard]] const std::vector<std::string>& unreadable() const noexcept { return unreadable_; }
+  // false: open_damaged() could not read the rig file. rig() then has the run's channels by name, and nothing else:
+  // their readings are the devices' own numbers.
+  [[nodiscard]] bool has_rig() const noexcept { return has_rig_; }
 
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   [[nodiscard]] const record::RunHeader& header() const noexcept { return reader_.header(); }
@@ -65,6 +74,8 @@ class Selection {
   std::string path_;
   record::RunReader reader_;
   config::RigFile rig_;
+  bool has_rig_ = true;
+  std::vector<std::string> unreadable_;
   std::int64_t zero_ns_ = 0, from_ns_ = 0, to_ns_ = 0;
 };
 
@@ -75,6 +86,9 @@ struct Provenance {
   std::string head;      // of the file's last entry, hexadecimal; empty: not known
   std::string audit;     // one line: "intact, key 1a2b … not trusted"; "not audited"
 };
+
+// The head, or "not checked".
+[[nodiscard]] std::string head_text(const Provenance& provenance);
 
 // Of the computer that recorded: "synchronized within 0.02 s", "not synchronized", "in an unknown state".
 [[nodiscard]] std::string clock_text(const record::Origin& origin);

@@ -102,7 +102,7 @@ class ChannelValues {
 };
 
 std::string front(const Selection& selection, const Provenance& provenance) {
-  return uff_header({"dwell run " + selection.header().id, "head " + provenance.head, provenance.program,
+  return uff_header({"dwell run " + selection.header().id, "head " + head_text(provenance), provenance.program,
                      selection.header().start_utc, provenance.made_utc}) +
          uff_units();
 }

@@ -3,7 +3,7 @@
 // Dataset 58 cannot hold irregular instants: its uneven abscissa has six digits. So each channel is resampled
 // (resampler.hpp): band-limited to 0.35 of its rate, with the error stated in ID line 5, in the unit of the values. A
 // gap ends a dataset; the channel goes on in another, with the next number in "version number". The first and the last
-// 16 readings of a stretch serve as neighbours only.
+// 16 readings of a stretch serve as neighbours only. A stretch of fewer than 48 readings is left out and counted.
 #pragma once
 
 #include <cstdint>

@@ -34,7 +34,7 @@ struct OpenRun {
     last_ns[readings % kHalf] = t_ns;
     if (++readings == kHalf) earliest_ns = t_ns;
   }
-  [[nodiscard]] bool enough() const { return readings >= Resampler::kReadings; }
+  [[nodiscard]] bool enough() const { return readings >= Resampler::kFewest; }
   [[nodiscard]] std::int64_t before_ns() const { return last_ns[readings % kHalf]; }  // 16th from the end
 };
 

@@ -21,7 +21,7 @@ struct EvenChannel {
   std::int64_t step_ns = 0;
   std::vector<EvenRun> stretches;
   std::uint64_t readings = 0;
-  std::uint64_t left_out = 0;  // readings of stretches that are too short
+  std::uint64_t left_out = 0;  // readings of stretches that are too short: fewer than Resampler::kFewest
 };
 
 // One plan per channel of the rig. All measuring channels share the step of the fastest; auxiliary channels have their

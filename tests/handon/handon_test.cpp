@@ -119,7 +119,9 @@ TEST(HandedOnAsHdf5, H5pyReadsTheSameBitsInstantsAndAttributes) {
 
 TEST(HandedOnAsUff, AReaderByFixedColumnsFindsTheMotionWithinTheStatedError) {
   const Scratch scratch;
-  const test::HandedRun run = written(scratch);
+  test::HandedRun wanted;
+  wanted.length_s = 15.0;  // the slow channel has 4 readings a second
+  const test::HandedRun run = written(scratch, wanted);
   for (const bool binary : {false, true}) {
     handon::Selection all = test::select(run);
     const auto done = export_uff(all, test::provenance(), {binary}, {scratch.path("run.uff"), true}, {});
@@ -133,6 +135,7 @@ TEST(HandedOnAsUff, AReaderByFixedColumnsFindsTheMotionWithinTheStatedError) {
 TEST(HandedOnAsUff, AGapEndsADatasetAndAnotherGoesOn) {
   const Scratch scratch;
   test::HandedRun wanted;
+  wanted.length_s = 15.0;
   wanted.gap_from_s = 5.0;
   wanted.gap_to_s = 6.0;
   const test::HandedRun run = written(scratch, wanted);
@@ -141,6 +144,22 @@ TEST(HandedOnAsUff, AGapEndsADatasetAndAnotherGoesOn) {
   ASSERT_TRUE(done) << done.error();
   EXPECT_EQ(done->datasets, 4U);
   EXPECT_EQ(test::python("read_uff.py", {scratch.path("run.uff"), "0", "2"}), 0);
+}
+
+TEST(HandedOnAsUff, AStretchOfFewReadingsIsLeftOutAndCounted) {
+  for (const int readings : {47, 48}) {
+    const Scratch scratch;
+    test::HandedRun wanted;
+    wanted.length_s = 15.0;
+    wanted.gap_from_s = (readings + 0.5) / wanted.rate_hz;
+    wanted.gap_to_s = wanted.gap_from_s + 0.3;
+    const test::HandedRun run = written(scratch, wanted);
+    handon::Selection all = test::select(run);
+    const auto done = export_uff(all, test::provenance(), {}, {scratch.path("run.uff"), true}, {});
+    ASSERT_TRUE(done) << done.error();
+    EXPECT_EQ(done->datasets, readings < 48 ? 3U : 4U);
+    EXPECT_EQ(done->left_out, readings < 48 ? 47U : 0U);
+  }
 }
 
 TEST(HandedOn, WhoStopsAmidAnExportLeavesNoFile) {

@@ -35,6 +35,8 @@ with h5py.File(export, "r") as file:
     y0 = groups["y0"].attrs
     assert (y0["unit"], y0["measures"], y0["at"]) == ("mm", "displacement", "the table"), dict(y0)
     assert (y0["calibration_id"], y0["calibration_due"], y0["si_per_unit"]) == ("K-2231", "2027-03-31", 1e-3), dict(y0)
+    for absent in ("calibration_id", "calibration_due", "relative_to"):
+        assert absent not in groups["oil_temp °C"].attrs, "the rig file does not state it"
     assert groups["oil_temp °C"].attrs["name"] == "oil/temp °C"
     assert len(file["results"]) == results
     for text in file["results"]:
