@@ -17,6 +17,7 @@
 #include "daemon/handon/hdf5.hpp"
 #include "daemon/handon/output_file.hpp"
 #include "daemon/handon/report.hpp"
+#include "daemon/handon/resampler.hpp"
 #include "daemon/handon/uff.hpp"
 #include "daemon/record/audit.hpp"
 #include "daemon/report/dwell_json_value.hpp"
@@ -112,7 +113,8 @@ Result<Written> write_uff(Selection& selection, const Provenance& from, const Ex
       {{"values", done->values}, {"datasets", done->datasets}, {"left_out", done->left_out}}};
   if (done->left_out > 0)
     written.more += "; " + std::to_string(done->left_out) +
-                    " samples left out: the stretches between gaps are too short to resample";
+                    " samples left out: the stretches between gaps are too short to resample, below " +
+                    std::to_string(handon::Resampler::kFewest) + " readings";
   return written;
 }
 
@@ -175,12 +177,10 @@ int export_run(const ExportRunOptions& options) {
     from.audit = handon::audit_line(*audit);
     if (audit->state == record::AuditState::tampered) {
       const std::string refused = options.file + ": " + from.audit + "; nothing was exported";
-      if (!Selection::open(options.file, {})) {
-        tell_error(refused + ", and it cannot be read as a run");
-        return kUsage;
-      }
-      tell_error(refused + ". --unchecked exports it without an audit");
-      return kNo;
+      const bool readable = Selection::open(options.file, {}).has_value();
+      tell_error(refused +
+                 (readable ? ". --unchecked exports it without an audit" : ", and it cannot be read as a run"));
+      return is_run_file(options.file) ? kNo : kUsage;
     }
   }
   auto selection = Selection::open(options.file, options.range);
@@ -218,28 +218,32 @@ int report(const ReportOptions& options) {
     tell_error(audit.error());
     return kUsage;
   }
-  auto selection = Selection::open(options.file, {});
+  const bool tampered = audit->state == record::AuditState::tampered;
+  auto selection = Selection::open_damaged(options.file);
   if (!selection) {
-    tell_error(audit->state == record::AuditState::tampered
-                   ? options.file + ": " + handon::audit_line(*audit) + "; no page: it cannot be read as a run"
-                   : selection.error());
-    return kUsage;
+    tell_error(tampered ? options.file + ": " + handon::audit_line(*audit) + "; no page: it cannot be read as a run"
+                        : selection.error());
+    return tampered && is_run_file(options.file) ? kNo : kUsage;
   }
   Provenance from = provenance();
   from.head = audit->head;
   from.audit = handon::audit_line(*audit);
   ProgressBar bar("reading");
-  if (auto done = handon::export_report(*selection, *audit, from, {options.output, options.overwrite}, bar.progress());
-      !done) {
-    tell_error(done.error());
+  const auto unreadable =
+      handon::export_report(*selection, *audit, from, {options.output, options.overwrite}, bar.progress());
+  if (!unreadable) {
+    tell_error(unreadable.error());
     return kUsage;
   }
+  for (const std::string& why : *unreadable) tell_error(why);
   if (options.json) {
-    std::printf("%s\n", dump(Json{{"file", options.output}, {"audit", from.audit}}, 2).c_str());
+    const Json object{{"file", options.output}, {"audit", from.audit}, {"unreadable", *unreadable}};
+    std::printf("%s\n", dump(object, 2).c_str());
   } else {
     std::printf("%s: the file is %s\n", printable(options.output).c_str(), printable(from.audit).c_str());
   }
-  return audit->state == record::AuditState::tampered || !audit->broken_ledger.empty() ? kNo : kDone;
+  if (tampered || !audit->broken_ledger.empty()) return kNo;
+  return unreadable->empty() ? kDone : kUsage;
 }
 
 }  // namespace dwell::ctl

@@ -117,8 +117,11 @@ std::string front(const Selection& selection, const RunStory& story, const recor
                   const Provenance& provenance) {
   const record::RunHeader& run = selection.header();
   std::string html = html_heading(1, title_of(selection));
-  html += html_paragraph("Report of a measurement of stiffness and damping on the rig " + selection.rig().name + ".",
-                         "lead");
+  html += html_paragraph(
+      "Report of a measurement of stiffness and damping on " +
+          (selection.has_rig() ? "the rig " + selection.rig().name : std::string("a rig whose file cannot be used")) +
+          ".",
+      "lead");
   if (selection.header().is_child())
     html +=
         html_paragraph("Child file of run " + run.parent_id + ", head " + run.parent_head +
@@ -130,6 +133,8 @@ std::string front(const Selection& selection, const RunStory& story, const recor
     html += html_paragraph(
         "Parts of the file cannot be read. Readings, dwells, events or signatures below may be incomplete:");
     html += html_list(story.unreadable, "alarm");
+    if (story.unreadable_left_out > 0)
+      html += html_paragraph("and " + std::to_string(story.unreadable_left_out) + " more");
   }
   if (audit.state != record::AuditState::tampered && !audit.trusted)
     html += html_paragraph(
@@ -157,7 +162,8 @@ std::string traces(const Selection& selection, const RunStory& story) {
       shaded.push_back({view.dwell.settled_s, view.dwell.end_s, std::to_string(view.dwell.index.value_or(0))});
   std::string html = html_heading(2, "Readings over time");
   html += html_paragraph("Smallest and largest reading in each of " + std::to_string(Trace::kBins) +
-                             " parts of the run. Shaded: the data that count, with the number of their dwell.",
+                             " parts of the run. Shaded: the data that count, with the number of their dwell." +
+                             (selection.has_rig() ? "" : " Without a usable rig file: the devices' own numbers."),
                          "lead");
   const std::vector<Channel>& channels = selection.rig().channels;
   for (std::size_t i = 0; i < channels.size() && i < kTraces; ++i)
@@ -199,15 +205,15 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   return html + "</main></body></html>\n";
 }
 
-Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
-                           const Target& target, const Progress& progress) {
-  const RunStory story = tell_run(selection, progress);
-  if (!story.unreadable.empty() && audit.state != record::AuditState::tampered)
-    return tl::make_unexpected(story.unreadable.front());
+Result<std::vector<std::string>> export_report(Selection& selection, const record::Audit& audit,
+                                               const Provenance& provenance, const Target& target,
+                                               const Progress& progress) {
+  RunStory story = tell_run(selection, progress);
   auto file = OutputFile::create(target);
   if (!file) return tl::make_unexpected(file.error());
   file->write(report_page(selection, story, audit, provenance));
-  return file->keep();
+  if (auto done = file->keep(); !done) return tl::make_unexpected(done.error());
+  return std::move(story.unreadable);
 }
 
 }  // namespace dwell::handon

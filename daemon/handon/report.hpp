@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "daemon/handon/output_file.hpp"
 #include "daemon/handon/run_story.hpp"
@@ -10,9 +11,11 @@
 
 namespace dwell::handon {
 
-// Writes the page. audit: a fresh one of the same file. Fails with "PATH: why"; then there is no file.
-[[nodiscard]] Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
-                                         const Target& target, const Progress& progress);
+// Writes the page. audit: a fresh one of the same file. Returns which parts of the run cannot be read: the page names
+// them and holds the rest. Fails with "PATH: why"; then there is no file.
+[[nodiscard]] Result<std::vector<std::string>> export_report(Selection& selection, const record::Audit& audit,
+                                                             const Provenance& provenance, const Target& target,
+                                                             const Progress& progress);
 
 // The parts of the page; each is complete HTML.
 [[nodiscard]] std::string report_page(const Selection& selection, const RunStory& story, const record::Audit& audit,

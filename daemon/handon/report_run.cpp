@@ -79,6 +79,7 @@ std::string report_conditions(const Selection& selection) {
                       {"build", origin.build},
                       {"processor", origin.cpu},
                       {"computed from", run.is_child() ? "run " + run.parent_id : std::string()}});
+  if (!selection.has_rig()) return html;
   html += html_heading(2, Markup("Rig: " + rig.name));
   html += chain_picture(rig);
   html += html_facts({{"motion", std::string(config::to_string(rig.motion)) +
@@ -96,6 +97,11 @@ std::string report_channels(const Selection& selection, const RunStory& story) {
   std::vector<std::vector<Markup>> rows;
   for (std::size_t i = 0; i < rig.channels.size(); ++i) {
     const Channel& c = rig.channels[i];
+    if (!selection.has_rig()) {
+      rows.push_back({std::to_string(i + 1), c.name});
+      if (of_stream) rows.back().push_back(std::to_string(story.traces[i].count()));
+      continue;
+    }
     const std::string device = c.device >= 0 ? rig.devices[static_cast<std::size_t>(c.device)].name : "";
     std::string scale =
         shortest(c.scale) +
@@ -107,6 +113,7 @@ std::string report_channels(const Selection& selection, const RunStory& story) {
   }
   std::vector<Column> columns{{"no.", true}, {"channel"},  {"measures"},    {"unit"},
                               {"in unit"},   {"response"}, {"calibration"}, {"device", false, true}};
+  if (!selection.has_rig()) columns.resize(2);
   if (of_stream) columns.push_back({"samples", true});
   return html_heading(2, "Channels") + html_table(columns, rows);
 }

@@ -1,7 +1,7 @@
 #include "daemon/handon/run_story.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <utility>
 
 #include "daemon/report/dwell_json.hpp"
 
@@ -32,48 +32,47 @@ Result<void> read_stream(Selection& selection, RunStory& story, const Progress& 
       progress);
 }
 
+void note(RunStory& story, std::string why) {
+  if (why.size() > RunStory::kEventBytes) why = why.substr(0, RunStory::kEventBytes) + " …";
+  if (std::find(story.unreadable.begin(), story.unreadable.end(), why) != story.unreadable.end()) return;
+  if (story.unreadable.size() < RunStory::kUnreadable) {
+    story.unreadable.push_back(std::move(why));
+  } else {
+    ++story.unreadable_left_out;
+  }
+}
+
 // The dwells that ended; and of a run that was cut off, the last dwell in its last state.
 Result<void> read_dwells(Selection& selection, RunStory& story, std::size_t& room) {
-  std::optional<DwellView> unfinished;
-  const auto take = [&story](DwellView view) {
-    if (story.dwells.size() < RunStory::kDwells) {
-      story.dwells.push_back(std::move(view));
-    } else {
-      ++story.dwells_left_out;
-    }
-  };
-  auto done = selection.reader().results(false, [&](const record::StoredResult& result) {
-    if (result.dwell.size() > room) {
+  return selection.reader().dwells([&](const record::StoredResult& result) {
+    if (result.dwell.size() > room || story.dwells.size() == RunStory::kDwells) {
       story.dwells_left_out += result.final ? 1 : 0;
       return true;
     }
     auto view = parse_dwell(result.dwell);
-    if (!view || !view->dwell.index) return true;
-    if (result.final) room -= result.dwell.size();
-    unfinished.reset();
-    if (result.final) {
-      take(std::move(*view));
-    } else {
-      unfinished = std::move(*view);
+    if (!view) {
+      note(story,
+           selection.path() + ": the result at position " + std::to_string(result.position) + ": " + view.error());
+    } else if (view->dwell.index) {
+      room -= result.dwell.size();
+      story.dwells.push_back(std::move(*view));
     }
     return true;
   });
-  if (done && unfinished) take(std::move(*unfinished));
-  return done;
 }
 
 }  // namespace
 
 RunStory tell_run(Selection& selection, const Progress& progress) {
   RunStory story;
-  const auto note = [&story](const auto& read) {
-    if (!read && std::find(story.unreadable.begin(), story.unreadable.end(), read.error()) == story.unreadable.end())
-      story.unreadable.push_back(read.error());
+  for (const std::string& why : selection.unreadable()) note(story, why);
+  const auto note_end = [&story](const auto& read) {
+    if (!read) note(story, read.error());
   };
-  note(read_stream(selection, story, progress));
+  note_end(read_stream(selection, story, progress));
   std::size_t room = RunStory::kStoredBytes;
-  note(read_dwells(selection, story, room));
-  note(selection.reader().events([&story](const record::StoredEvent& event) {
+  note_end(read_dwells(selection, story, room));
+  note_end(selection.reader().events([&story](const record::StoredEvent& event) {
     if (story.events.size() < RunStory::kEvents) {
       story.events.push_back(event);
       record::shorten(story.events.back(), RunStory::kEventBytes);
@@ -82,7 +81,7 @@ RunStory tell_run(Selection& selection, const Progress& progress) {
     }
     return true;
   }));
-  note(selection.reader().models([&](const record::StoredModel& model) {
+  note_end(selection.reader().models([&](const record::StoredModel& model) {
     const std::size_t size = model.from.size() + model.result.size();
     if (story.models.size() < RunStory::kModels && size <= room) {
       story.models.push_back(model);
@@ -93,7 +92,7 @@ RunStory tell_run(Selection& selection, const Progress& progress) {
     return true;
   }));
   auto signatures = selection.reader().signatures();
-  note(signatures);
+  note_end(signatures);
   if (signatures) story.signatures = std::move(*signatures);
   return story;
 }

@@ -19,6 +19,7 @@ struct RunStory {
   static constexpr std::size_t kEvents = 2000;
   static constexpr std::size_t kModels = 1000;
   static constexpr std::size_t kDwells = 500;
+  static constexpr std::size_t kUnreadable = 20;  // each at most kEventBytes
 
   // Bounds of what a report takes from a hostile file, bytes. kEventBytes: each text of an event; a longer one is cut.
   // kStoredBytes: the dwells, estimates and verifications together, as they are stored; what exceeds it is left out and
@@ -39,10 +40,12 @@ struct RunStory {
   std::vector<record::StoredEvent> events;
   std::uint64_t events_left_out = 0;
   std::vector<record::PersonalSignature> signatures;
-  std::vector<std::string> unreadable;  // why parts of the above end early, where the file was tampered with
+  std::vector<std::string> unreadable;  // why parts of the above are missing or end early; at most kUnreadable
+  std::uint64_t unreadable_left_out = 0;
 };
 
-// Reads the whole run, or what can be read of it. Memory: 10 kB a channel, the dwells and events up to their limits.
+// Reads the whole run, or what can be read of it: story.unreadable names the rest. Memory: 10 kB a channel, the dwells
+// and events up to their limits.
 [[nodiscard]] RunStory tell_run(Selection& selection, const Progress& progress);
 
 }  // namespace dwell::handon

@@ -97,7 +97,8 @@ TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
   EXPECT_FALSE(there("out.csv"));
   const Said unchecked = say("export run.dwell --format csv -o out.csv --unchecked");
   EXPECT_EQ(unchecked.code, 0) << unchecked.err;
-  EXPECT_NE(record::Scratch::read(scratch_.path("out.csv")).find("audit: not audited"), std::string::npos);
+  EXPECT_NE(record::Scratch::read(scratch_.path("out.csv")).find("; head not checked; audit: not audited"),
+            std::string::npos);
   const Said page = say("report run.dwell -o out.html");
   EXPECT_EQ(page.code, 1) << page.out;
   EXPECT_NE(record::Scratch::read(scratch_.path("out.html")).find("class=\"state tampered\""), std::string::npos);
@@ -116,6 +117,21 @@ TEST_F(HandonCommand, ReportsATamperedRunOfWhichABlockCannotBeRead) {
   const std::string html = record::Scratch::read(scratch_.path("out.html"));
   EXPECT_NE(html.find("class=\"state tampered\""), std::string::npos);
   EXPECT_NE(html.find("Parts of the file cannot be read"), std::string::npos);
+}
+
+TEST_F(HandonCommand, ATamperedFileThatCannotBeReadIsExitCode1) {
+  std::string bytes = record::Scratch::read(run_.path);
+  const std::size_t at = bytes.find("\"begun_by\"");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 1] = 'B';  // a member of the header is missing
+  scratch_.write("run.dwell", bytes);
+  for (const char* verb : {"export run.dwell --format csv -o out", "report run.dwell -o out"}) {
+    const Said refused = say(verb);
+    EXPECT_EQ(refused.code, 1) << verb;
+    EXPECT_NE(refused.err.find("run.dwell: tampered: "), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("it cannot be read as a run"), std::string::npos) << refused.err;
+    EXPECT_FALSE(there("out"));
+  }
 }
 
 TEST_F(HandonCommand, AdvisesNothingForAFileThatIsNoRun) {
