@@ -207,8 +207,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   add_limits(rig, snapshot, stale, health);
   if (log.failing)
     add(TroubleKind::log, "log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
-  for (const record::RecorderAlarm& alarm : recorder)
-    add(TroubleKind::recording, alarm.name, "recording: " + alarm.text);
+  for (const record::RecorderAlarm& alarm : recorder) add(TroubleKind::recording, alarm.name, alarm.text);
   // Dates in records may be wrong. The numbers are not: they are computed on the raw clock, whose rate has an
   // uncertainty of its own.
   if (!clock_synchronized)

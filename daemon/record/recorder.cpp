@@ -256,7 +256,7 @@ struct Recorder::Impl {
       fresh.alarms.push_back({"recording", "the run is not recorded: " + why});
     else if (!readiness.trouble().empty())
       fresh.alarms.push_back({"runs", "runs cannot be recorded: " + why});
-    if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back({"anchor", "anchor: " + keeper.anchor_trouble()});
+    if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back({"anchor", "heads are not anchored: " + keeper.anchor_trouble()});
     const std::lock_guard lock(mutex);
     state = std::move(fresh);
   }

@@ -43,7 +43,7 @@ struct AlarmListTest : testing::Test {
   }
 
   const Trouble stale{"channel:y1", "channel y1: timeout"};
-  const Trouble full{"recording", "recording: disk full"};
+  const Trouble full{"recording", "the run is not recorded: disk full"};
   const Trouble withheld{"channel:y1", "channel y1: not known"};
   std::int64_t t_ns = 5 * kSecond_ns;
   AlarmList list;

@@ -22,7 +22,7 @@ record::RecorderState recording_a_run() {
   state.run.begun_utc = "2026-11-23T03:12:17.250000Z";
   state.run.state = "recording";
   state.run.bytes = 4711;
-  state.alarms = {{"anchor", "anchor: command send: exit status 1"}};
+  state.alarms = {{"anchor", "heads are not anchored: command send: exit status 1"}};
   return state;
 }
 

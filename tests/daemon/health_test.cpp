@@ -153,9 +153,8 @@ TEST_F(HealthTest, StaysOkWhereOnlyTheComputersClockIsNotSynchronized) {
 }
 
 TEST_F(HealthTest, KeepsTroublesOfTheRecordingApart) {
-  recorder = {{"recording", "the run is not recorded: disk full"}, {"anchor", "anchor: exit status 1"}};
-  expect(Health::Status::degraded, true,
-         "recording: the run is not recorded: disk full; recording: anchor: exit status 1");
+  recorder = {{"recording", "the run is not recorded: disk full"}, {"anchor", "heads are not anchored: exit status 1"}};
+  expect(Health::Status::degraded, true, "the run is not recorded: disk full; heads are not anchored: exit status 1");
   EXPECT_EQ(names(), (std::vector<std::string>{"recording", "anchor"}));
 }
 

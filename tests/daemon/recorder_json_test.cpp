@@ -221,7 +221,7 @@ TEST_F(RecorderJsonTest, HealthSaysWhatIsRecordedOrWhyNot) {
   recording->alarms = {{"recording", "the run is not recorded: disk full"}};
   EXPECT_EQ(health()["reason"], "disk full");
   EXPECT_TRUE(health()["run"].is_null());
-  EXPECT_NE(get("/api/v1/health").body.find("recording: the run is not recorded: disk full"), std::string::npos);
+  EXPECT_NE(get("/api/v1/health").body.find("\"the run is not recorded: disk full"), std::string::npos);
   recording->recording = true;
   recording->run = runs->front();
   recording->committed_ns = 9'250'000'000;
