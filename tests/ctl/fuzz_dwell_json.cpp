@@ -1,16 +1,50 @@
 // Whatever an answer holds, the reader of dwells answers: a dwell that can be written again, or why it is none.
+// Likewise the readers of what an estimate and a verification were computed from.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <string>
 
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/model_entry.hpp"
+
+namespace {
+
+void sure(bool holds) {
+  if (!holds) std::abort();
+}
+
+const dwell::Rig& rig() {
+  static const dwell::Rig one = [] {
+    dwell::Rig rig;
+    rig.channels.resize(2);
+    rig.channels[0].name = "y0";
+    rig.channels[1].name = "y1";
+    return rig;
+  }();
+  return one;
+}
+
+void read_dwell(const std::string& text) {
+  const auto dwell = dwell::parse_dwell(text);
+  if (!dwell) return sure(!dwell.error().empty());
+  sure(dwell::parse_dwell(dwell::to_json(*dwell)).has_value());
+}
+
+void read_sources(const std::string& text) {
+  const auto estimate = dwell::estimate_in(text, rig());
+  sure(estimate.has_value() || !estimate.error().empty());
+  if (estimate && *estimate) sure(dwell::estimate_in(dwell::model_entry(**estimate, rig()).from, rig()).has_value());
+  const auto verified = dwell::verified_in(text);
+  sure(verified.has_value() || !verified.error().empty());
+  if (verified) sure(dwell::verified_in(dwell::model_entry(*verified, rig()).from).has_value());
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto dwell = dwell::parse_dwell({reinterpret_cast<const char*>(data), size});
-  if (!dwell) {
-    if (dwell.error().empty()) std::abort();
-    return 0;
-  }
-  if (!dwell::parse_dwell(dwell::to_json(*dwell))) std::abort();
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  read_dwell(text);
+  read_sources(text);
   return 0;
 }
