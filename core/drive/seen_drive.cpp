@@ -19,8 +19,7 @@ std::string range(double low, double high, int digits) {
 std::string SeenDrive::at_rest(const Rig& rig) const {
   // The data ended while the table moved.
   if (newest_ > rig.excitation.minimum)
-    return "no drive is recognized: the data end while the table moves by " + length(rig, newest_) +
-           " at the drive's frequency";
+    return "the data end here; the table still moves, by " + length(rig, newest_) + " at the drive's frequency";
   return "the table does not move: its amplitude at the drive's frequency is " + length(rig, newest_) +
          ", the largest so far " + length(rig, largest_) + "; excitation.minimum asks for " +
          length(rig, rig.excitation.minimum);
