@@ -42,7 +42,7 @@ export const hasEnded = (health) => Boolean(health?.devices?.length) && health.d
 export function limitsText(dwell) {
   const count = (verdict) => (dwell?.limits ?? []).filter((limit) => limit.verdict === verdict).length;
   const [violated, undecided, none] = ['violated', 'undecided', 'none'].map(count);
-  if (dwell?.state !== 'measuring' || dwell.limits.length === 0) return null;
+  if (dwell?.state !== 'measuring' || !dwell.limits?.length) return null;
   const parts = [...(violated ? [`${violated} violated`] : []), ...(undecided ? [`${undecided} undecided`] : []),
     ...(none ? [`${none} without a verdict`] : [])];
   return { text: parts.length > 0 ? parts.join(', ') : 'all kept', tone: violated ? 'alarm' : 'calm' };
@@ -59,9 +59,10 @@ export const warningsText = (dwell) => (dwell && warningsOf(dwell).length > 0 ? 
 const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind], shape: kind });
 
 // What is so whatever the dwell; null: then the dwell tells the state.
-function stateOfService({ dwell, health, fresh, now, refused }) {
+function stateOfService({ dwell, health, fresh, now, refused, anew }) {
   if (refused) {
-    return dwell ? said('locked', 'logged out', `what is shown is ${ageText(fresh.silence_s(now))} old; log in below to read`)
+    const why = anew ? 'the service was started anew: log in again below to read' : 'log in below to read';
+    return dwell ? said('locked', 'logged out', `what is shown is ${ageText(fresh.silence_s(now))} old; ${why}`)
       : { ...said('locked', 'logged out', 'log in below to read'), tone: 'calm' };
   }
   if (!dwell) {
@@ -93,7 +94,7 @@ function stateOfDwell(dwell) {
 
 // The state as the page must show it: { kind, word, detail, tone, shape, age }. shape: its name, as head_view.mjs draws it. age: how old this is, as text, where that
 // is too old while the service answers; else null. view: { dwell, health, fresh, now, refused: nobody is logged in, and
-// nothing may be read }; dwell and health may be null.
+// nothing may be read; anew: for the service has begun anew }; dwell and health may be null.
 export function stateOf(view) {
   const state = stateOfService(view);
   if (state) return { ...state, age: null };
@@ -162,6 +163,9 @@ export function eventsText({ shown, fit, known, total }) {
   const looked = known < total ? `The filter looks at the newest ${known} of ${total} events.` : '';
   return [left, looked].filter(Boolean).join(' ');
 }
+
+// What the service says to do next, where the page itself has the button for it.
+export const withButton = (text) => text?.replaceAll('"dwellctl start"', 'the button "Start a run" below, "dwellctl start"') ?? text;
 
 // { text, tone } of the run; null: not known. A dwell without a run, where runs are recorded, is lost: why stands below.
 export function runFact(health, dwell) {

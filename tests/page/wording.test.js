@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { eventsText, frequencyText, isWell, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { eventsText, frequencyText, isWell, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles, withButton } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness, warningOf } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -76,6 +76,8 @@ test('logged out comes before all that was read: it is as old as the last answer
   view.fresh.answered(100);
   view.fresh.broke(112); // the answer was 401
   assert.equal(said({ ...view, now: 112, refused: true }), 'locked alarm: logged out, what is shown is 12 s old; log in below to read');
+  assert.equal(said({ ...view, now: 112, refused: true, anew: true }),
+    'locked alarm: logged out, what is shown is 12 s old; the service was started anew: log in again below to read');
   assert.equal(view.fresh.answersOld(112), true);
 });
 
@@ -191,6 +193,12 @@ test('numbers that stand still are told, with their age', () => {
   assert.match(troubles({ ...view, now: 778 })[0].text, /^old numbers, from 678 s ago/);
 });
 
+test('what the service says to do next names the button first where the page has it', () => {
+  assert.equal(withButton('the run was stopped: the next one begins with "dwellctl start", or with the drive once it has rested'),
+    'the run was stopped: the next one begins with the button "Start a run" below, "dwellctl start", or with the drive once it has rested');
+  assert.equal(withButton('it has decayed'), 'it has decayed');
+});
+
 test('the run', () => {
   const said = (health, dwell = idleOf()) => Object.values(runFact(health, dwell)).join(': ');
   assert.equal(said({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }, dwellOf()), '17, “new bush”: calm');
@@ -206,6 +214,7 @@ test('limits and warnings of the dwell are counted for the head, acknowledged or
   assert.deepEqual(of('kept'), { text: 'all kept', tone: 'calm' });
   assert.deepEqual(of('kept', 'none'), { text: '1 without a verdict', tone: 'calm' }, 'its number is withheld: nobody knows whether it is kept');
   assert.equal(of(), null);
+  assert.equal(limitsText(dwellOf()), null, 'not told');
   assert.equal(limitsText(idleOf({ limits: [{ verdict: 'none' }] })), null);
   const warnings = ['a', 'b'].map((text) => ({ kind: 'hum', text }));
   assert.equal(warningsText(dwellOf(warningOf(warnings, [{ elements: [1], what: 'a' }]))), '2', 'a doubt is none, whatever its words');
