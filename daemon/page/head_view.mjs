@@ -86,7 +86,7 @@ export function showHead(view) {
   setAttributes($('detail'), { class: state.age ? 'old' : '' });
   setText($('detail-age'), state.age ? `last seen ${state.age} ago` : '');
   keyed($('facts'), factsOf(view), (fact) => fact.name,
-    (fact) => h('div', {}, h('dt', {}, fact.name), h('dd', {})),
+    (fact) => h('div', { 'data-fact': fact.name }, h('dt', {}, fact.name), h('dd', {})),
     (node, fact) => {
       setText(node.lastChild, fact.text);
       setAttributes(node, { 'data-tone': fact.tone, class: fact.struck ? 'struck' : '' });

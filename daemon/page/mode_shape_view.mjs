@@ -1,5 +1,6 @@
-// Draws the chain as it moves at the drive frequency, slowed down. It can be halted, and stands from the beginning
-// where the browser asks for less motion (WCAG 2.2.2): at its greatest deflection, which shows the shape.
+// Draws the chain as it moves at the drive frequency, slowed down. It can be halted. It stands from the beginning where the
+// browser asks for less motion (WCAG 2.2.2), and on a wall, where nobody could halt it: at its greatest deflection, which
+// shows the shape.
 import { h, keyed, rowHead, s, setAttributes, setText, show } from './dom.mjs';
 import { barOf, displacedAt, fullestPart, modeShapeOf, reachOf } from './mode_shape.mjs';
 import { isNumber, NO_NUMBER, percentText, plainText } from './number.mjs';
@@ -14,7 +15,7 @@ const HALF = 13; // half a mass' width
 const MIDDLE = 46; // height of the chain in the picture
 
 let shape = null;
-let moves = !matchMedia('(prefers-reduced-motion: reduce)').matches;
+let moves = !matchMedia('(prefers-reduced-motion: reduce)').matches && !new URLSearchParams(location.search).has('kiosk');
 let part = null; // of the period; null: it has not moved yet, and stands at the greatest deflection
 
 const x = (at) => 34 + PITCH * at;

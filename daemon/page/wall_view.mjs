@@ -8,14 +8,19 @@ const kiosk = new URLSearchParams(location.search).has('kiosk');
 
 // Of the traces the strip itself counts, not what is free below it.
 const PARTS = [['warnings', 'warnings of the dwell'], ['now-warnings', 'warnings of now'], ['legend', 'notes on the coefficients'], ['trace-plot', 'traces'],
-  ['phasor-notes', 'warnings of channels']];
+  ['phasor-notes', 'warnings of channels'], ['chain', 'the shape of the motion']];
 
 const bottomOf = (node) => node.getBoundingClientRect().bottom; // 0 where it is hidden
 
-// Names of the alarms that nobody reads there. The first one that waits stands in the head, unless that is cut.
-function unseenAlarms(foot_px) {
+// The first alarm that waits stands in the head, whole unless that is cut.
+function headTells() {
   const line = $('alarm-line');
-  const whole = !line.hidden && line.scrollHeight <= line.clientHeight + 1;
+  return !line.hidden && line.scrollHeight <= line.clientHeight + 1;
+}
+
+// Names of the alarms that nobody reads there.
+function unseenAlarms(foot_px) {
+  const whole = headTells();
   return [...$('alarm-rows').children].filter((row, i) => bottomOf(row) > foot_px && !(whole && i === 0)).map((row) => row.dataset.name);
 }
 
@@ -44,6 +49,7 @@ function footOf() {
 function layOut() {
   const root = document.documentElement.classList;
   root.toggle('compact', $('elements').children.length >= MANY);
+  root.toggle('told', headTells() && $('alarm-rows').children.length === 1);
   const foot_px = footOf();
   if (root.contains('compact') || ['elements', 'warnings', 'now-warnings'].every((id) => bottomOf($(id)) <= foot_px)) return foot_px;
   root.add('compact');
@@ -53,7 +59,8 @@ function layOut() {
 export function showBeyond() {
   if (!kiosk) return;
   const foot_px = layOut();
-  // A strip that is cut off would look whole: what is named as without room is not seen.
+  // A strip or a picture that is cut off would look whole: what is named as without room is not seen.
   $('traces').classList.toggle('beyond', bottomOf($('trace-plot')) > foot_px);
+  $('chain').classList.toggle('beyond', bottomOf($('chain')) > foot_px);
   setText($('beyond'), `▼ no room here for: ${beyond(foot_px).join(', ')}`);
 }

@@ -37,6 +37,29 @@ test('the coefficients of a usual rig are read from across the room, without scr
   await shown.close();
 });
 
+// The traces had no room, for one verdict took a row of its own, and a scroll bar showed.
+test('four elements with two limits, an alarm, the traces and the shape of the motion fit on a wall display', async () => {
+  const model = { verdict: 'not verified yet', consistent: false, asked: 0.05, seen: 0.009, U: 0.071 };
+  const limits = [2, 4].map((element) => ({ element, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict: 'kept' }));
+  const shown = await open(measured(4, { model, limits }));
+  const { page } = shown;
+  const now = new Date().toISOString();
+  const alarm = { name: 'clock', text: 'the computer\'s clock is not synchronized: dates may be wrong', state: 'unacknowledged', since: now, changed: now, count: 1, acknowledged_by: null, comment: null };
+  await page.route('**/api/v1/alarms', (route) => route.fulfill({ json: { unacknowledged: 1, left_out: 0, alarms: [alarm] } }));
+  await page.route('**/api/v1/channels', (route) => route.fulfill({ json: { channels: channelsOf(4).map((name, i) => ({ name, measures: i < 4 ? 'displacement' : 'force',
+    at: i < 4 ? i : 'ground', relative_to: null, unit: 'mm', value: 1, status: 'ok', text: 'ok', age_s: 0.01 })) } }));
+  await page.waitForFunction(() => document.querySelectorAll('.limit:not([hidden])').length === 2);
+  for (const part of ['#alarm-line', '#traces', '#chain', '#phasors']) await page.waitForSelector(`${part}:not([hidden])`);
+  await page.waitForFunction(() => document.documentElement.scrollHeight <= window.innerHeight && document.querySelector('#beyond').hidden);
+  const seen = await page.evaluate(() => ['#trace-plot', '#shape-picture', '#polar', '#legend'].map((part) => {
+    const node = document.querySelector(part);
+    return getComputedStyle(node).visibility === 'visible' && node.getBoundingClientRect().height > 20 && node.getBoundingClientRect().bottom <= window.innerHeight;
+  }));
+  assert.deepEqual(seen, [true, true, true, true]);
+  await check(page, 'usual-wall');
+  await shown.close();
+});
+
 // The note said that there was no room for element 4, which it covered itself.
 test('where the note at the foot would cover an element of a wall display, the elements are set closer', async () => {
   const shown = await open(measured(4));
@@ -55,8 +78,8 @@ test('where the note at the foot would cover an element of a wall display, the e
 
 // At 1280 × 1024 the upper third of the strip showed above the note that there was no room for traces.
 test('a wall display says that it has no room for traces exactly where none are seen', async () => {
-  const more = Array.from({ length: 4 }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }));
-  const shown = await open(measured(4, warningOf(more)));
+  const warned = (count) => measured(4, warningOf(Array.from({ length: count }, (_, i) => ({ kind: 'hum', text: `a warning of the dwell, number ${i}` }))));
+  const shown = await open(warned(4));
   const { page } = shown;
   await page.waitForSelector('#traces', { state: 'attached' });
   const seen = () => page.evaluate(() => {
@@ -64,8 +87,9 @@ test('a wall display says that it has no room for traces exactly where none are 
     return { named: !note.hidden && note.innerText.includes('traces'), seen: getComputedStyle(strip).visibility === 'visible',
       whole: strip.getBoundingClientRect().bottom <= (note.hidden ? window.innerHeight : note.getBoundingClientRect().top + 0.5) };
   });
-  for (const [width, height, room] of [[1920, 1080, true], [1280, 1024, false], [1440, 900, false]]) {
+  for (const [width, height, warnings, room] of [[1920, 1080, 4, true], [1920, 1080, 16, false], [1280, 1024, 16, true], [1440, 900, 16, false]]) {
     await page.setViewportSize({ width, height });
+    shown.dwell = warned(warnings);
     // The note is looked at once a second.
     await until(async () => JSON.stringify(await seen()) === JSON.stringify({ named: !room, seen: room, whole: room }));
   }
@@ -130,7 +154,7 @@ test('in a small or narrow window no number of a wall display lies on another on
 test('alarms that find no room on a wall display are named at its foot, and no text of the head ends without a mark', async () => {
   const shown = await open(measured(4));
   const { page } = shown;
-  await page.setViewportSize({ width: 1280, height: 1024 });
+  await page.setViewportSize({ width: 800, height: 600 });
   const now = new Date().toISOString();
   const alarm = (name, text) => ({ name, text, state: 'unacknowledged', since: now, changed: now, count: 1, acknowledged_by: null, comment: null });
   const limit = 'limit violated: stiffness of element 2 is 7.999 ± 0.018 kN/m, outside 12.00 to 13.00 kN/m';
