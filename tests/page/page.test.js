@@ -44,8 +44,8 @@ const texts = (page, selector) => page.locator(selector).allInnerTexts();
 // In the browser: when something of the service first stood on the page, ms after the page was asked for; a picture of the
 // page without a number comes before. null: not yet.
 function noteFirst() {
-  window.firsts = { state: null, coefficient: null };
-  const is = { state: '#state[data-kind]:not([data-kind=connecting])', coefficient: '.coefficient .value:not(:empty)' };
+  window.firsts = { state: null, coefficient: null, traces: null };
+  const is = { state: '#state[data-kind]:not([data-kind=connecting])', coefficient: '.coefficient .value:not(:empty)', traces: '#traces:not([hidden])' };
   new MutationObserver(() => requestAnimationFrame((at) => {
     for (const [what, selector] of Object.entries(is))
       if (window.firsts[what] === null && document.querySelector(selector)) window.firsts[what] = at;
@@ -53,9 +53,10 @@ function noteFirst() {
 }
 
 // Opens the page anew and tells its times and bytes.
-async function timesOf(wanted) {
+async function timesOf(...wanted) {
   const page = await openPage(bench, { before: noteFirst });
-  await page.waitForFunction((what) => window.firsts[what] !== null, wanted);
+  await page.waitForFunction((all) => all.every((what) => window.firsts[what] !== null), wanted);
+  if (wanted.includes('traces')) await page.locator('#trace-what', { hasText: /least and greatest in/ }).waitFor(); // an answer has come
   const times = await page.evaluate(() => ({ ...window.firsts, picture: performance.getEntriesByName('first-contentful-paint')[0].startTime,
     bytes: [...performance.getEntriesByType('resource'), ...performance.getEntriesByType('navigation')]
       .reduce((sum, entry) => sum + entry.transferSize, 0) }));
@@ -99,8 +100,10 @@ test('a dwell settles and is measured: each coefficient with ± and unit', async
   await closePage(page);
 });
 
-test('while it is measured the first coefficient is there as soon', async () => {
-  const { state, coefficient } = await timesOf('coefficient');
+// Bytes were counted only until the state stood in words: until the coefficients did, 440 kB had come.
+test('while it is measured the first coefficient is there as soon, and with the traces the page takes few kilobytes', async () => {
+  const { state, coefficient, bytes } = await timesOf('coefficient', 'traces');
+  assert.ok(bytes > 10_000 && bytes < 300_000, `${bytes} bytes`);
   assert.ok(coefficient >= state && coefficient < 10_000, 'asked for: 1 s; a busy machine takes longer');
 });
 
