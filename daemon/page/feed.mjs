@@ -36,6 +36,7 @@ export class Feed {
   last = new LastNumbers();
   history = new History();
   fresh = new Freshness();
+  anew = false; // the service was started anew since somebody logged in here: it knows nobody any more
   refused = false; // the newest answer was that somebody must log in
   #clock;
   #changed;
@@ -49,6 +50,8 @@ export class Feed {
   #back = null; // how far back the dwells of the newest run have been asked for, as #askBack() takes it
   #nextEvent = 0; // 0: all are asked for
   #began_ms = NaN; // UTC when the service began, as health told last
+  #uptime_s = 0; // of the service, as health told last
+  #missed = false; // it was not reached when it was asked last
   #ahead_ms = 0; // the service's clock before this computer's
   #told = '';
   #model = ''; // the verdict on it, as told last
@@ -75,6 +78,11 @@ export class Feed {
 
   #now() {
     return this.#clock.now();
+  }
+
+  loggedIn() {
+    this.anew = false;
+    this.#ask();
   }
 
   // UTC as the service has it: the clock of a phone may be anything.
@@ -142,12 +150,15 @@ export class Feed {
       this.#ahead_ms = Date.parse(health.utc) - Date.now();
       this.channels = channels.channels;
       this.alarms = alarms;
-      this.refused = false;
+      this.refused = this.#missed = false;
       this.fresh.answered(this.#now());
       if (this.#source.readyState === EventSource.CLOSED || this.#now() - this.#spoke_s > SILENT_S) this.#listen();
       if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) this.#askSeldom(); // not waited for: lists may be long
     } catch (error) {
       this.refused = error instanceof Refused;
+      // Logins last while the service goes on. One that was gone and knows nobody was started again.
+      this.anew ||= this.refused && this.#missed;
+      this.#missed = !this.refused && error instanceof TypeError;
       // A stream that was opened before would go on: what is shown must be of one time.
       if (this.refused) this.#source.close();
       // Another error status is an answer as well: then the service is there.
@@ -166,6 +177,8 @@ export class Feed {
       this.#seldom_s = -Infinity;
     }
     this.#began_ms = began_ms;
+    this.anew ||= uptime_s < this.#uptime_s;
+    this.#uptime_s = uptime_s ?? 0;
   }
 
   async #askWhyUnverified() {

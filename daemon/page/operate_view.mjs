@@ -14,6 +14,8 @@ let rights = { read: true, change: false, token: false };
 let busy = false; // an order is under way: one at a time
 let said = null; // on the newest order, as noteText takes it
 let now_s = 0;
+let lost = false; // who was logged in no longer is, without having logged out: to be said
+let leaving = false; // … he is logging out
 
 let newest = 0; // question; the answer to an older one may be of before a login
 async function ask() {
@@ -21,7 +23,9 @@ async function ask() {
   try {
     const answer = await fetch('/api/v1/rights', { signal: AbortSignal.timeout(ANSWER_MS), cache: 'no-store' });
     const told = answer.ok ? await answer.json() : rights;
-    if (question === newest) rights = told;
+    if (question !== newest) return;
+    lost = rights.change && told.token && !told.change && !leaving;
+    rights = told;
   } catch {
     // The first line says that the service does not answer.
   }
@@ -57,16 +61,25 @@ function onSubmit(id, act) {
   });
 }
 
-export function beginOperate(changed) {
+// changed: called when something came of it. loggedIn: when somebody has logged in.
+export function beginOperate(changed, loggedIn) {
   const orderThen = async (path, body, done, then) => {
     if (await order(path, body, done)) then?.();
     changed();
   };
   onSubmit('operate-login', () => orderThen('/api/v1/login', { token: $('operate-token').value.trim() }, 'Logged in.',
-    () => { $('operate-token').value = ''; }));
+    () => {
+      $('operate-token').value = '';
+      loggedIn();
+    }));
   // The Enter key presses the first button, also where that is hidden.
   onSubmit('operate-start', (button) => {
     const label = $('operate-label').value.trim();
+    if (label === '') {
+      say('Not done: a label is needed. Say in a few words what is measured.', true);
+      $('operate-label').focus();
+      return;
+    }
     const relabel = button === 'operate-relabel' || $('operate-begin').hidden;
     const [path, done] = relabel ? ['/api/v1/label', `The run is "${label}" now.`] : ['/api/v1/start', `Run "${label}" started.`];
     orderThen(path, { label }, done, () => { $('operate-label').value = ''; });
@@ -77,8 +90,10 @@ export function beginOperate(changed) {
   $('operate-rearm').addEventListener('click', () => {
     if (confirm('Re-arm? The dwell ends, and a new one settles.')) orderThen('/api/v1/rearm', {}, 'Dwell re-armed.');
   });
-  $('operate-logout').addEventListener('click', () => orderThen('/api/v1/logout', {}, 'Logged out.',
-    () => location.reload())); // what was read with the token is no longer there for whoever comes next
+  $('operate-logout').addEventListener('click', () => {
+    leaving = true;
+    orderThen('/api/v1/logout', {}, 'Logged out.', () => location.reload()); // what was read with the token is no longer there for whoever comes next
+  });
   const renew = async () => {
     await ask();
     changed();
@@ -87,8 +102,14 @@ export function beginOperate(changed) {
   setInterval(renew, ASK_MS);
 }
 
-export function showOperate({ health, refused, now }) {
+// Whether the page has its button to start a run now.
+export const startsHere = ({ health, refused }) => rights.token && rights.change && !refused && !kiosk && Boolean(health?.run?.recorded) &&
+  health.run.begun_by !== 'operator';
+
+export function showOperate({ health, refused, now, anew }) {
   now_s = now;
+  if (lost && !refused) say(`${anew ? 'The service was started anew' : 'The login has ended'}: log in again.`, true);
+  lost = false;
   setText($('operate-said'), noteText(said, now));
   const [read, change] = [rights.read && !refused, rights.change && !refused];
   const run = health?.run;
@@ -98,7 +119,7 @@ export function showOperate({ health, refused, now }) {
   show($('operate-why'), !read);
   show($('operate-login'), !change);
   show($('operate-acts'), change);
-  const [begin, relabel] = [Boolean(run?.recorded) && run.begun_by !== 'operator', Boolean(run?.recorded && run.begun_by)];
+  const [begin, relabel] = [startsHere({ health, refused }), Boolean(run?.recorded && run.begun_by)];
   show($('operate-start'), begin || relabel);
   show($('operate-begin'), begin);
   show($('operate-relabel'), relabel);

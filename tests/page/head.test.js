@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { SIZES } from './bench.js';
-import { dwellOf } from './sample.js';
+import { dwellOf, idleOf } from './sample.js';
 import { scriptedPages } from './scripted_page.js';
 
 const openScripted = scriptedPages();
@@ -21,6 +21,28 @@ const box = (page, selector) => page.evaluate((s) => {
   const { top, bottom, height } = document.querySelector(s).getBoundingClientRect();
   return { top, bottom, height };
 }, selector);
+
+// The button did nothing that anybody saw.
+test('a run without a label is not started, and the page says what is missing; a stopped run names the button first', async () => {
+  const shown = await openScripted({ dwell: idleOf({ settling_reason: 'the run was stopped: the next one begins with "dwellctl start", or with the drive once it has rested' }),
+    rights: { read: true, change: true, token: true }, health: { run: { recorded: true, begun_by: null } } });
+  const { page } = shown;
+  let orders = 0;
+  await page.route('**/api/v1/start', (route) => {
+    ++orders;
+    return route.fulfill({ json: { done: true, recording: true } });
+  });
+  await page.locator('#detail', { hasText: 'begins with the button "Start a run" below, "dwellctl start", or' }).waitFor();
+  await page.click('#operate-begin');
+  await page.locator('#operate-said', { hasText: /^Not done: a label is needed\./ }).waitFor();
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'operate-label');
+  assert.equal(orders, 0);
+  await page.keyboard.type('sweep 3');
+  await page.keyboard.press('Enter');
+  await page.locator('#operate-said', { hasText: 'Run "sweep 3" started.' }).waitFor();
+  assert.equal(orders, 1);
+  await shown.close();
+});
 
 test('what the links of the head lead to is below the head', async () => {
   const shown = await open(SIZES.desk);

@@ -181,6 +181,26 @@ test('after a logout the page begins anew: nothing that was read stays in it', a
   await page.close();
 });
 
+// It said only "logged out": nobody saw why.
+test('whoever the restart of the service has logged out is told so', async () => {
+  const page = await open();
+  await logIn(page);
+  await bench.service.end();
+  await bench.startService();
+  await said(page, '#operate-said', /^The service was started anew: log in again\.$/);
+  await page.locator('#operate-login').waitFor();
+  await page.waitForSelector('#state[data-kind=measuring]');
+  // Where nothing may be read without the token the first line says it.
+  await logIn(page);
+  let answer = (route) => route.abort('connectionrefused');
+  await page.route('**/api/v1/**', (route) => answer(route));
+  await said(page, '#troubles', /channels, devices and alarms are [\d.]+ s old/);
+  answer = (route) => route.fulfill({ status: 401, json: { error: 'needs the token', status: 401 } });
+  await said(page, '#detail', /; the service was started anew: log in again below to read$/);
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
 const isStruck = (page, selector) => page.evaluate((s) => {
   const nodes = [...document.querySelectorAll(s)].filter((node) => node.innerText !== '');
   const lined = (node) => node !== document.body && (getComputedStyle(node).textDecorationLine === 'line-through' || lined(node.parentElement));
