@@ -22,8 +22,12 @@ constexpr std::size_t kMostEvents = 60;  // on a page for people
 
 void append(Section& to, const std::string& label, const std::string& text, std::size_t columns) {
   if (text.empty()) return;
-  for (std::string& line : wrapped(printable(pad_right(label, kLabel) + text), columns, kLabel))
-    to.body.push_back({std::move(line), Style::plain});
+  // The text alone: a long word, such as a path, would leave its label alone on a line.
+  std::string front = pad_right(label, kLabel);
+  for (const std::string& line : wrapped(printable(text), columns - kLabel, 0)) {
+    to.body.push_back({front + line, Style::plain});
+    front = std::string(kLabel, ' ');
+  }
 }
 
 std::string list_of(const std::vector<std::string>& words) {
@@ -58,7 +62,7 @@ std::string stream_text(const RunSummary& run) {
   std::string text = run.span_s ? duration_text(*run.span_s) : std::string("nothing");
   if (run.end)
     text += ", " + std::to_string(run.end->records) + " records, " + std::to_string(run.end->samples) + " samples";
-  return text;
+  return with_singular(std::move(text));
 }
 
 Section facts(const RunSummary& run, std::size_t columns) {
@@ -66,7 +70,11 @@ Section facts(const RunSummary& run, std::size_t columns) {
   Section section;
   section.body.push_back({printable(clipped(title_of(run), columns)), Style::plain});
   const auto add = [&](const char* label, const std::string& text) { append(section, label, text, columns); };
-  add("file", run.file + ", " + bytes_text(static_cast<double>(run.bytes)));
+  // A path has no blank to break at: a long one keeps a line of its own, and the size follows in the next.
+  const std::string size = bytes_text(static_cast<double>(run.bytes));
+  const bool fits = kLabel + width(run.file) + 2 + width(size) <= columns;
+  add("file", run.file + (fits ? ", " + size : ""));
+  if (!fits) add("size", size);
   add("rig", (run.rig.empty() ? "" : run.rig + ", ") + header.rig.path);
   add("SHA-256", header.rig.sha256);
   for (const record::KeptFile& file : header.files) {
@@ -149,7 +157,7 @@ std::string instant(const std::string& utc, const record::RunHeader& header) {
 
 std::string event_text(const record::FoldedEvent& folded, const record::RunHeader& header) {
   const record::StoredEvent& event = folded.event;
-  std::string text = event.text;
+  std::string text = with_singular(event.text);
   if (folded.entries > 1) text += ", up to " + instant(folded.last_utc, header);
   const std::string who = event.person ? record::who(*event.person) : "";
   if (text.find(who) == std::string::npos) text += ", by " + who;
@@ -199,6 +207,8 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   return section;
 }
 
+bool is_verification(const record::StoredModel& model) { return model.kind == "verification"; }
+
 Section model_section(const RunSummary& run, std::size_t columns) {
   Section section;
   if (run.models.empty() && run.left_out.models == 0) return section;
@@ -215,6 +225,8 @@ Section model_section(const RunSummary& run, std::size_t columns) {
          wrapped(line + printable(stored_model_text(model.kind, model.from, model.result)), columns, width(line)))
       section.body.push_back({std::move(part), Style::plain});
   }
+  if (std::any_of(run.models.begin(), run.models.end(), is_verification))
+    append_wrapped(section, "  " + std::string(kMeaningOfEn), columns);
   if (run.left_out.models > 0)
     append_wrapped(section, "  " + left_out_text(run.left_out.models, "estimates and verifications"), columns);
   return section;

@@ -134,17 +134,40 @@ std::string report_losses(const Selection& selection, const RunStory& story) {
   return html + html_table({{"where"}, {"what"}, {"how often", true}}, rows);
 }
 
+namespace {
+
+// The coefficients of the newest estimate that has any; empty: there is none.
+std::string last_coefficients(const std::vector<record::StoredModel>& models) {
+  for (auto model = models.rbegin(); model != models.rend(); ++model) {
+    if (model->kind != "estimate") continue;
+    std::vector<std::vector<Markup>> rows;
+    for (const StoredElement& element : stored_elements(model->result))
+      rows.push_back({element.k, element.stiffness, element.damping});
+    if (rows.empty()) continue;
+    return html_heading(4, "Coefficients of the last estimate, " + model->utc) +
+           html_table({{"element", true}, {"stiffness c", true}, {"damping r", true}}, rows) +
+           html_list({"± is the half width of the 95 % interval."}, "notes");
+  }
+  return {};
+}
+
+}  // namespace
+
 std::string report_models(const RunStory& story) {
   if (story.models.empty()) return {};
+  const bool verified = std::any_of(story.models.begin(), story.models.end(),
+                                    [](const record::StoredModel& model) { return model.kind == "verification"; });
   std::vector<std::vector<Markup>> rows;
   for (const record::StoredModel& model : story.models)
     rows.push_back({model.utc, model.kind, stored_model_text(model.kind, model.from, model.result)});
   return html_heading(2, "Estimates and verifications") +
          html_paragraph("Coefficients from transients, and verifications, as they were published during the run.") +
          html_table({{"when", false, true}, {"what", false, true}, {"text"}}, rows) +
+         (verified ? html_list({std::string(kMeaningOfEn) + "."}, "notes") : std::string()) +
          (story.models_left_out == 0
               ? std::string()
-              : html_paragraph("and " + std::to_string(story.models_left_out) + " more, which are in the run file"));
+              : html_paragraph("and " + std::to_string(story.models_left_out) + " more, which are in the run file")) +
+         last_coefficients(story.models);
 }
 
 std::string report_events(const RunStory& story) {
@@ -152,7 +175,7 @@ std::string report_events(const RunStory& story) {
   std::vector<std::vector<Markup>> rows;
   for (const record::FoldedEvent& folded : record::folded(story.events)) {
     const record::StoredEvent& event = folded.event;
-    std::string text = event.text;
+    std::string text = with_singular(event.text);
     const bool same_day = folded.last_utc.size() > 11 && event.utc.compare(0, 11, folded.last_utc, 0, 11) == 0;
     if (folded.entries > 1) text += ", up to " + (same_day ? folded.last_utc.substr(11) : folded.last_utc);
     if (!event.before.empty() || !event.after.empty()) text += "; before: " + event.before + ", after: " + event.after;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -198,6 +199,18 @@ std::string age_text(double seconds) {
   if (seconds < 7200.0) return whole(seconds / 60.0, " min");
   if (seconds < 172800.0) return whole(seconds / 3600.0, " h");
   return whole(seconds / 86400.0, " d");
+}
+
+std::string with_singular(std::string text) {
+  static constexpr std::array<std::array<std::string_view, 2>, 3> kWords{
+      {{"1 times", "once"}, {"1 samples", "1 sample"}, {"1 records", "1 record"}}};
+  const auto in_number = [&text](std::size_t at) {
+    return at > 0 && (std::isalnum(static_cast<unsigned char>(text[at - 1])) != 0 || text[at - 1] == '.');
+  };
+  for (const auto& [plural, singular] : kWords)
+    for (std::size_t at = text.find(plural); at != std::string::npos; at = text.find(plural, at + singular.size()))
+      if (!in_number(at)) text.replace(at, plural.size(), singular);
+  return text;
 }
 
 std::size_t width(std::string_view utf8) noexcept {

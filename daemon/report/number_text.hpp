@@ -46,6 +46,10 @@ struct NumberText {
 // "0.3 s", "778 s", "21 min", "5 h", "3 d": how old something is, as people say it; "—" if that is not known.
 [[nodiscard]] std::string age_text(double seconds);
 
+// A text of an event with one of a kind said as people do: "timeout, 1 times" gives "timeout, once", "1 samples lost"
+// gives "1 sample lost". Stored texts keep the plural: their counts are added up.
+[[nodiscard]] std::string with_singular(std::string text);
+
 // Columns that a terminal needs for a text: its code points.
 [[nodiscard]] std::size_t width(std::string_view utf8) noexcept;
 [[nodiscard]] std::string pad_left(std::string_view text, std::size_t columns);

@@ -2,12 +2,24 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace dwell {
 
-// "from 0.52 s to 3.10 s, 1234 readings: 2 of 2 elements"; "of dwell 1: adequate, E_n 0.42". from, result: the entry's
+// "from 0.52 s to 3.10 s, 1234 readings: 2 of 2 elements"; "of dwell 1: adequate, off by 0.15 ± 0.08 % (accuracy 5 %),
+// E_n 0.42". from, result: the entry's
 // members as JSON; what cannot be read is left out.
 [[nodiscard]] std::string stored_model_text(const std::string& kind, const std::string& from,
                                             const std::string& result);
+
+// What E_n means, for below a list of such lines.
+inline constexpr const char* kMeaningOfEn =
+    "E_n: the error of the worst channel over its expanded uncertainty; satisfactory up to 1";
+
+struct StoredElement {
+  std::string k, stiffness, damping;  // "24.000 ± 0.074 kN/m"; "—": not identifiable
+};
+// The elements of an `estimate` entry; empty: it has no coefficients. result: as above.
+[[nodiscard]] std::vector<StoredElement> stored_elements(const std::string& result);
 
 }  // namespace dwell

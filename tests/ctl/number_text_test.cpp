@@ -163,5 +163,13 @@ TEST(Table, DoesNotLetANameCommandTheTerminal) {
   EXPECT_EQ(table.text(), "n\na?[2Jb???c\n");
 }
 
+TEST(NumberText, SaysOneOfAKindInTheSingular) {
+  EXPECT_EQ(with_singular("device amplifier: missed deadline, 1 times"), "device amplifier: missed deadline, once");
+  EXPECT_EQ(with_singular("channel y0: 1 samples lost"), "channel y0: 1 sample lost");
+  EXPECT_EQ(with_singular("1 records, 1 samples"), "1 record, 1 sample");
+  for (const char* plural : {"11 times", "0.1 times", "x1 samples", "21 samples lost", "1 time"})
+    EXPECT_EQ(with_singular(plural), plural);
+}
+
 }  // namespace
 }  // namespace dwell

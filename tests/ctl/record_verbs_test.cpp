@@ -258,6 +258,17 @@ TEST_F(RecordVerbs, ShowLinesUpIn80Columns) {
   EXPECT_GT(count, 20);
 }
 
+TEST_F(RecordVerbs, ShowBeginsALongPathBesideItsLabel) {
+  SampleRun run = make(std::string(60, 'p') + ".dwell");
+  run.events.push_back({100, "2026-07-01T10:12:10.250000Z", "fault", "device amplifier: crc, 1 times", {}, "", "", ""});
+  write(run, key);
+  const std::string page = test::run({"show", run.path}).out;
+  EXPECT_TRUE(holds(page, "\nfile       " + run.path.substr(0, 60))) << page;
+  EXPECT_FALSE(holds(page, "\n           , ")) << page;
+  EXPECT_TRUE(holds(page, "\nsize       ")) << page;
+  EXPECT_TRUE(holds(page, "device amplifier: crc, once\n")) << page;
+}
+
 TEST_F(RecordVerbs, JsonIsAsTheSchemaSays) {
   const test::ApiSchema schema;
   SampleRun open = make("open.dwell");

@@ -42,15 +42,34 @@ TEST(Report, TellsWhatWasEstimatedAndVerifiedMeanwhile) {
   run.length_s = 2.0;
   run.models = {{"estimate", 400, "2026-11-23T03:12:18Z", R"({"last":390,"readings":250,"from_s":0.5,"until_s":3.125})",
                  R"({"motion":null,"motion_reason":"the table <rests>"})"},
+                {"estimate", 300, "2026-11-23T03:12:18Z", R"({"last":290,"readings":200,"from_s":0.5,"until_s":2.5})",
+                 R"({"motion":{"elements":[{"k":1,"identifiable":true,)"
+                 R"("stiffness":{"value":24000.7,"U95":74.4,"unit":"N/m"},)"
+                 R"("damping":{"value":60.22,"U95":0.81,"unit":"N*s/m"}},{"k":2,"identifiable":false}]}})"},
                 {"verification", 900, "2026-11-23T03:12:20Z", R"({"position":880,"ended":false})",
-                 R"({"dwell":1,"verdict":"adequate","e_n":0.42})"}};
+                 R"({"dwell":1,"verdict":"adequate","e_n":0.42,"accuracy":{"asked":0.05,"seen":0.0015,"U":0.0008}})"}};
   test::write(run, scratch.path("run.dwell"));
   Selection selection = test::select(run);
   const RunStory story = tell_run(selection, {});
   const std::string page = report_page(selection, story, {}, test::provenance());
   EXPECT_NE(page.find("from 0.50 s to 3.12 s, 250 readings: no coefficients: the table &lt;rests&gt;"),
             std::string::npos);
-  EXPECT_NE(page.find("of dwell 1: adequate, E_n 0.42"), std::string::npos);
+  EXPECT_NE(page.find("of dwell 1: adequate, off by 0.150 ± 0.080 % (accuracy 5 %), E_n 0.42"), std::string::npos);
+  EXPECT_NE(page.find("E_n: the error of the worst channel"), std::string::npos);
+  EXPECT_NE(page.find("Coefficients of the last estimate"), std::string::npos);
+  EXPECT_NE(page.find("24.001 ± 0.074 kN/m</td><td class=\"number\">60.22 ± 0.81 N·s/m</td>"), std::string::npos);
+}
+
+// A "1" close to the left of "0°" would read as "10°".
+TEST(Report, TheNumberOfAnArrowStandsClearOfTheAngles) {
+  const std::string svg = phasor_picture({{1.0, 1, 0}});
+  const auto x_of = [&svg](const std::string& text) {
+    const std::size_t at = svg.find(">" + text + "</text>"), begin = svg.rfind("<text x=\"", at);
+    return std::stod(svg.substr(begin + 9));
+  };
+  constexpr double kDigit = 6.0;  // px: a bold digit at the picture's size
+  EXPECT_GT(x_of("0°") - x_of("1"), 1.5 * kDigit) << "one is centred, the other begins there";
+  EXPECT_NE(svg.find("text-anchor=\"start\" class=\"axis\">0°"), std::string::npos);
 }
 
 TEST(Report, SaysWhatWasTamperedWithFirst) {
