@@ -145,10 +145,12 @@ std::string phasor_picture(const std::vector<Arrow>& arrows) {
     const double angle = degrees * std::numbers::pi / 180.0;
     svg += format("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", centre, centre,
                   centre + radius * std::cos(angle), centre - radius * std::sin(angle));
+    // Outside the ring of the arrows' numbers: "1" beside "0°" would read as "10°".
+    constexpr double beyond = label_radius + 10.0;
     if (degrees % 90 == 0)
-      svg += text_at(centre + (radius + 30.0) * std::cos(angle), centre - (radius + 30.0) * std::sin(angle) + 3.5,
-                     degrees == 0     ? "end"
-                     : degrees == 180 ? "start"
+      svg += text_at(centre + beyond * std::cos(angle), centre - beyond * std::sin(angle) + 3.5,
+                     degrees == 0     ? "start"
+                     : degrees == 180 ? "end"
                                       : "middle",
                      std::to_string(degrees) + "°", "axis");
   }

@@ -36,6 +36,10 @@ thead th { color: var(--soft); font-weight: 600; border-bottom-color: var(--soft
 th.whole, td.whole { white-space: nowrap; overflow-wrap: normal; }
 th.number, td.number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; padding: 0.9mm 2mm 0.9mm 2mm; }
 th.number { white-space: normal; }
+.coefficients table { font-size: 8.2pt; }
+.coefficients th:first-child, .coefficients th:last-child { width: 1mm; }
+.coefficients td.number { white-space: normal; }
+.coefficients th.number, .coefficients td.number { padding-left: 1mm; padding-right: 1mm; }
 .facts th { width: 38mm; font-weight: 400; color: var(--soft); }
 code, pre { font-family: "DejaVu Sans Mono", "Liberation Mono", monospace; font-size: 7.6pt; overflow-wrap: anywhere; }
 pre { white-space: pre-wrap; margin: 0; padding: 2mm 3mm; border: 0.2mm solid var(--line); }

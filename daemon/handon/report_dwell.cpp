@@ -49,6 +49,14 @@ std::string budget_text(std::vector<BudgetShare> budget, double BudgetShare::*sh
   return text;
 }
 
+// A number that may break before its ± and nowhere else: the table of coefficients must fit the page with long units.
+std::string breakable(std::string text) {
+  const std::size_t uncertainty = text.find(" ±");
+  for (std::size_t at = text.find(' '); at != std::string::npos; at = text.find(' ', at + 1))
+    if (at != uncertainty) text.replace(at, 1, "\u00a0");
+  return text;
+}
+
 std::string coefficient_text(const Dwell& dwell, const ElementEstimate& e, const Coefficient& c, const char* unit) {
   if (!e.identifiable) return kNoNumber;
   return join(number_text(c.value, c.U95, unit)) + marks(dwell, e, c);
@@ -64,13 +72,14 @@ std::string coefficients(const DwellView& view) {
     const auto degrees = [](const Coefficient& c) {
       return std::isfinite(c.dof) && c.dof < 1e6 ? axis_number(std::round(c.dof)) : std::string("∞");
     };
-    values.push_back(
-        {k, coefficient_text(dwell, e, e.stiffness, stiffness_unit(view.motion)),
-         coefficient_text(dwell, e, e.damping, damping_unit(view.motion)),
-         e.identifiable ? join(number_text(e.loss_factor.value, kNormal95 * e.loss_factor.u, "")) : kNoNumber,
-         join(number_text(e.deformation.value, kNormal95 * e.deformation.u,
-                          config::si_unit(Quantity::displacement, view.motion))),
-         e.identifiable ? degrees(e.stiffness) : kNoNumber});
+    values.push_back({k, breakable(coefficient_text(dwell, e, e.stiffness, stiffness_unit(view.motion))),
+                      breakable(coefficient_text(dwell, e, e.damping, damping_unit(view.motion))),
+                      e.identifiable
+                          ? breakable(join(number_text(e.loss_factor.value, kNormal95 * e.loss_factor.u, "")))
+                          : kNoNumber,
+                      breakable(join(number_text(e.deformation.value, kNormal95 * e.deformation.u,
+                                                 config::si_unit(Quantity::displacement, view.motion)))),
+                      e.identifiable ? degrees(e.stiffness) : kNoNumber});
     if (e.identifiable) {
       budgets.push_back({k, budget_text(e.budget, &BudgetShare::stiffness_share),
                          budget_text(e.budget, &BudgetShare::damping_share)});
@@ -79,13 +88,15 @@ std::string coefficients(const DwellView& view) {
     }
   }
   for (std::string& line : legend_of({&dwell})) notes.push_back(std::move(line));
-  std::string html = html_table({{"element", true},
+  std::string html = "<div class=\"coefficients\">" +
+                     html_table({{"element", true},
                                  {"stiffness c", true},
                                  {"damping r", true},
                                  {"loss factor", true},
                                  {"deformation", true},
                                  {"degrees of freedom", true}},
-                                values);
+                                values) +
+                     "</div>";
   html += html_list(notes, "notes");
   if (!budgets.empty())
     html += html_heading(4, "Uncertainty budget") +
