@@ -9,6 +9,7 @@
 #include <future>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -23,16 +24,22 @@
 
 namespace dwell::ctl {
 
-// Bound to one thread; computes on others, one for each processor. An estimate or a verification takes seconds, one that
-// looks for causes minutes.
+// Bound to one thread; computes on others, one for each processor. An estimate or a verification takes seconds, one
+// that looks for causes minutes.
 class ModelCheck {
  public:
-  // More text of estimates and verifications than this is not taken in: days of dwells that end each minute.
-  static constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
+  // Texts of estimates and verifications beyond this are refused: those of a day of dwells of a minute. They are kept
+  // twice at most.
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
+  static constexpr std::size_t kMostEntries = 50'000;
 
   // Reads all that the run holds of both; its dwells are those of the replay. accuracy: of the rig file. Fails where
-  // one cannot be read.
+  // there are too many, or the file cannot be read.
   [[nodiscard]] static record::Result<ModelCheck> open(record::RunReader& run, const Rig& rig, double accuracy);
+  ModelCheck(ModelCheck&&) = default;  // before the first follow() only
+  ModelCheck& operator=(ModelCheck&&) = delete;
+  // Without finish(): what is being computed is stopped.
+  ~ModelCheck() { stop_.request_stop(); }
 
   // How many records the replay may take before follow() must be called.
   [[nodiscard]] std::uint64_t free_until(const Replay& replay) const noexcept {
@@ -44,15 +51,23 @@ class ModelCheck {
   void finish(const std::vector<Dwell>& dwells, ReplayFindings& to);
 
  private:
-  // A result that is computed again: an estimate until the end of its dwell is known, else the texts of its entry.
+  // Estimates have `estimate` until finish() adds the objection of their dwell; verifications have `entry` at once.
   struct Again {
     record::StoredModel stored;
     std::optional<TransientEstimate> estimate = {};
     ModelEntry entry = {};
   };
+  // What the run holds, sorted.
+  struct Published {
+    std::vector<PublishedEstimate> estimates;
+    std::vector<PublishedVerification> verifications;
+    std::uint64_t older = 0;       // estimates of an older program
+    std::vector<Finding> wrong{};  // entries that cannot be computed again
+  };
 
-  ModelCheck(const Rig& rig, double accuracy, std::vector<PublishedEstimate> estimates,
-             std::vector<PublishedVerification> verifications, std::uint64_t without);
+  ModelCheck(const Rig& rig, double accuracy, Published published);
+  [[nodiscard]] static tl::expected<void, std::string> sort(const record::StoredModel& stored, const Rig& rig,
+                                                            Published& to);
   void compute(std::function<void()> work);
   void compare(const Again& again, ReplayFindings& to) const;
 
@@ -60,9 +75,11 @@ class ModelCheck {
   double accuracy_;
   EstimatesAgain estimates_;
   VerificationsAgain verifications_;
-  std::uint64_t without_;  // estimates of an older program
-  std::optional<std::int64_t> origin_ns_;  // t = 0 of the run
-  std::deque<Again> again_;                // their addresses stay
+  std::uint64_t older_;         // estimates of an older program
+  std::vector<Finding> wrong_;  // entries that cannot be computed again
+  std::stop_source stop_;
+  std::optional<std::int64_t> origin_ns_;    // t = 0 of the run
+  std::deque<Again> again_;                  // their addresses stay
   std::deque<std::future<void>> computing_;  // last: waits for its threads before the rest goes
 };
 

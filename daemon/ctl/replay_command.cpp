@@ -51,7 +51,8 @@ int cannot_replay(const record::Failure& why, int code = kUsage) {
 }
 
 // Hands every record to the replay, and calls after(records) with those taken, as the replay's rig has them: one, or up
-// to free() samples and ticks together. Returns the dwells that ended. If the stream breaks off, the last one ends there.
+// to free() samples and ticks together. Returns the dwells that ended. If the stream breaks off, the last one ends
+// there.
 template <class Free, class After>
 Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& reader, const ChannelMap& channels,
                                 Replay& replay, const Free& free, const After& after) {
@@ -124,14 +125,17 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   // As in the results that are compared.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
   std::optional<ModelCheck> models;
-  bool models_left = false;
+  bool has_models = false;
   if (options.models) {
     auto opened = ModelCheck::open(reader, file->rig, file->verification.accuracy);
     if (!opened) return cannot_replay(opened.error());
     models.emplace(std::move(*opened));
   } else if (child == nullptr) {
-    const auto any = reader.models([&](const record::StoredModel&) { return !(models_left = true); });
-    if (!any) return cannot_replay(any.error());
+    const auto read = reader.models([&](const record::StoredModel&) {
+      has_models = true;
+      return false;  // one is enough
+    });
+    has_models = has_models || !read;  // one that cannot be read is not compared either
   }
   Replay replay(file->rig);
   ReplayCheck check(
@@ -151,26 +155,25 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
     if (child != nullptr) return std::uint64_t{0};
     return std::min(check.free_until(replay), models ? models->free_until(replay) : UINT64_MAX);
   };
-  const auto dwells =
-      play(options.file, reader, *channels, replay, free, [&](std::span<const Record> taken) {
-        const Record& record = taken.back();
-        check.follow(replay);
-        if (models) models->follow(taken, replay);
-        if (child == nullptr) {
-          if (is_edge(record, RunEdge::begins)) begins_at = replay.position();
-          if (auto change = states.follow(replay)) events.push_back(std::move(*change));
-          return;
-        }
-        add_events(follower.follow(record, replay));
-        for (; gap < child->without.size() && child->without[gap] <= replay.position(); ++gap)
-          if (replay.current())
-            missing.push_back({child->without[gap], false, "none", {"result", "", "published here", kNaN, false}});
-      });
+  const auto dwells = play(options.file, reader, *channels, replay, free, [&](std::span<const Record> taken) {
+    const Record& record = taken.back();
+    check.follow(replay);
+    if (models) models->follow(taken, replay);
+    if (child == nullptr) {
+      if (is_edge(record, RunEdge::begins)) begins_at = replay.position();
+      if (auto change = states.follow(replay)) events.push_back(std::move(*change));
+      return;
+    }
+    add_events(follower.follow(record, replay));
+    for (; gap < child->without.size() && child->without[gap] <= replay.position(); ++gap)
+      if (replay.current())
+        missing.push_back({child->without[gap], false, "none", {"result", "", "published here", kNaN, false}});
+  });
   if (!dwells) return cannot_replay(dwells.error());
   auto findings = check.finish();
   if (!findings) return cannot_replay(findings.error());
   if (models) models->finish(*dwells, *findings);
-  if (models_left)
+  if (has_models)
     findings->notes.emplace_back("estimates by any motion and verifications are not compared; --models does that");
   for (Finding& finding : missing) findings->add(std::move(finding));
   if (child != nullptr) {

@@ -1,7 +1,6 @@
 #include "daemon/ctl/verifications_again.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -17,11 +16,11 @@ std::size_t largest(const std::vector<PublishedVerification>& published) {
   return most;
 }
 
-// The dwell as it stands after the record taken last, or the one that ended with it.
+// The dwell as it stands after the record taken last, or the one of that index which ended with it.
 std::optional<Dwell> dwell_of(const VerifiedDwell& of, const Replay& replay) {
   if (!of.ended) return replay.current();
   for (const Dwell& dwell : replay.ended())
-    if (std::isfinite(dwell.settled_s)) return dwell;
+    if (dwell.index == of.dwell.index) return dwell;
   return std::nullopt;
 }
 
@@ -50,10 +49,11 @@ void VerificationsAgain::take(const Replay& replay, std::int64_t origin_ns, cons
   if (const SampleHistory* const history = replay.readings()) gather(*history, origin_ns);
   for (; next_ < by_position_.size() && by_position_[next_].published.of.position <= replay.position(); ++next_) {
     Awaited& awaited = by_position_[next_];
+    if (awaited.evidence) --kept_;
     VerificationJob job{std::exchange(awaited.evidence, nullptr), awaited.published.of, nullptr};
     auto dwell = awaited.published.of.position == replay.position() ? dwell_of(job.result, replay) : std::nullopt;
     if (!dwell || !job.evidence) {
-      left_.push_back(awaited.published);
+      left_.push_back(std::move(awaited.published));
       continue;
     }
     job.result.dwell = std::move(*dwell);
@@ -62,7 +62,7 @@ void VerificationsAgain::take(const Replay& replay, std::int64_t origin_ns, cons
       job.result.from_s = to_s(job.evidence->front().t_ns);
       job.result.until_s = to_s(job.evidence->back().t_ns);
     }
-    make(awaited.published, std::move(job));
+    make(std::move(awaited.published.stored), std::move(job));
   }
 }
 
@@ -79,19 +79,19 @@ void VerificationsAgain::gather(const SampleHistory& history, std::int64_t origi
 // Of all that end with the reading gathered last.
 void VerificationsAgain::keep_evidence() {
   Evidence newest;
+  std::size_t of = 0;  // readings asked for, of `newest`
   for (; next_evidence_ < by_last_.size(); ++next_evidence_) {
     Awaited& awaited = by_position_[by_last_[next_evidence_]];
     if (awaited.published.of.last > gathered_) return;
-    if (awaited.published.of.last < gathered_) continue;
-    const std::size_t given = awaited.published.of.given;
-    if (!newest || newest->size() != given) {
-      if (!may_keep()) continue;
+    if (awaited.published.of.last < gathered_ || kept_ == kMostKept) continue;
+    if (const std::size_t given = awaited.published.of.given; !newest || of != given) {
       std::vector<HoldRecord::Reading> readings = newest_.readings();
       readings.erase(readings.begin(), readings.end() - static_cast<std::ptrdiff_t>(std::min(given, readings.size())));
       newest = std::make_shared<const std::vector<HoldRecord::Reading>>(std::move(readings));
-      kept_.push_back(newest);
+      of = given;
     }
     awaited.evidence = newest;
+    ++kept_;
   }
 }
 
@@ -99,11 +99,6 @@ std::vector<PublishedVerification> VerificationsAgain::left() const {
   std::vector<PublishedVerification> all = left_;
   for (std::size_t i = next_; i < by_position_.size(); ++i) all.push_back(by_position_[i].published);
   return all;
-}
-
-bool VerificationsAgain::may_keep() {
-  std::erase_if(kept_, [](const auto& evidence) { return evidence.expired(); });
-  return kept_.size() < kMostKept;
 }
 
 }  // namespace dwell::ctl

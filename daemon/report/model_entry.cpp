@@ -71,9 +71,9 @@ ModelEntry model_entry(const TransientEstimate& of, const Rig& rig) {
   from["dwell"] = of.dwell ? Json(*of.dwell) : Json(nullptr);
   from["may_search"] = of.anew;
   from["at_fault"] = json_faults(of.at_fault, rig);
-  return {dump(from), dump(Json{{"motion", json_value(view)},
-                                {"motion_reason", of.estimate.reason},
-                                {"objection", json_objection(of)}})};
+  return {dump(from),
+          dump(Json{
+              {"motion", json_value(view)}, {"motion_reason", of.estimate.reason}, {"objection", json_objection(of)}})};
 }
 
 ModelEntry model_entry(const VerifiedDwell& of, const Rig& rig) {

@@ -82,7 +82,7 @@ struct WrittenRun {
   int settled = 0;                    // finals with coefficients
   std::vector<std::uint64_t> states;  // positions of the changes of state
   int estimates = 0, verifications = 0;
-  int busy = 0;                       // records at which a result was due and long work was going on
+  int busy = 0;  // records at which a result was due and long work was going on
 };
 // Writes the run at `path`.
 WrittenRun write_run(const std::string& path, const std::string& rig_text, const std::vector<Record>& stream,
