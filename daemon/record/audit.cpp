@@ -159,9 +159,10 @@ Result<void> RunAudit::ledger_agrees() const {
   if (run == nullptr) {
     audit_.unknown = true;
     if (!is_being_entered()) return fails("the ledger does not know " + name);
-    return fails({"the ledger has no entry of " + name +
-                      " yet: the service writes it as the run begins; after a crash, at its next start",
-                  Cause::not_entered});
+    return fails(
+        {"the ledger has no entry of " + name +
+             " yet: the service writes it as the run begins, after a crash at its next start; audit it again then",
+         Cause::not_entered});
   }
   if (run->id != header_.id) return fails("the ledger knows another run as " + name);
   if (run->previous_head != header_.previous_head)

@@ -39,7 +39,7 @@ void Readiness::healed() {
 
 void Readiness::opened() {
   if (folder_.key_is_new())
-    tell_({Notice::Grade::info, "a key was made and a ledger begins: " + folder_.key().vkey(), 0, {}});
+    tell_({Notice::Grade::info, "a key was made, for there was none: " + folder_.key().vkey(), 0, {}});
   const auto cut_off = folder_.take_cut_off();
   if (!cut_off) return;
   std::string text = "run " + std::to_string(cut_off->run) + " was cut off";

@@ -154,7 +154,7 @@ struct Recorder::Impl {
                   if (may_bear_request(record)) read_inbox();
                   const bool begins = is_edge(record, RunEdge::begins);
                   if (begins && record.channel != 0) newest_start = record.channel;
-                  // A run would open the directory itself and not tell what a crash left there.
+                  // A run begins in an open directory only: what a crash left there must be told first.
                   if (begins && !readiness.open() && readiness.look(now))
                     restart.store(true, std::memory_order_relaxed);
                   log.record(record);
@@ -256,7 +256,8 @@ struct Recorder::Impl {
       fresh.alarms.push_back({"recording", "the run is not recorded: " + why});
     else if (!readiness.trouble().empty())
       fresh.alarms.push_back({"runs", "runs cannot be recorded: " + why});
-    if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back({"anchor", "heads are not anchored: " + keeper.anchor_trouble()});
+    if (!keeper.anchor_trouble().empty())
+      fresh.alarms.push_back({"anchor", "heads are not anchored: " + keeper.anchor_trouble()});
     const std::lock_guard lock(mutex);
     state = std::move(fresh);
   }

@@ -62,6 +62,7 @@ struct RunFolder::Impl {
   DirectoryLock lock;
   DiskReserve reserve;
   std::optional<KeyAndLedger> signs;  // none: not open
+  bool key_is_new = false;
   std::optional<CutOffRun> cut_off;
   PreparedRuns prepared;
   // Of the next run, also while the ledger does not know yet of those before.
@@ -172,7 +173,9 @@ struct RunFolder::Impl {
   Result<void> ledger_takes() const {
     std::string refused = ledger_jobs.refused();
     if (refused.empty()) return {};
-    if (!std::filesystem::exists(ledger_in(options.directory)))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(options.directory, ignored) &&
+        !std::filesystem::exists(ledger_in(options.directory), ignored))
       refused += "; put it back, or restart the service to begin a new one";
     return tl::unexpected(std::move(refused));
   }
@@ -225,6 +228,7 @@ Result<void> RunFolder::open() {
   auto signs = open_key_and_ledger(self.options.directory, self.options.key_name);
   if (!signs) return tl::unexpected(signs.error());
   self.signs.emplace(std::move(*signs));
+  self.key_is_new = self.key_is_new || self.signs->made;
   auto told = self.tell_of_crash();
   if (told) {
     self.next_run = self.signs->ledger.next_run();
@@ -241,7 +245,7 @@ Result<void> RunFolder::open() {
 
 bool RunFolder::is_open() const noexcept { return impl_->signs.has_value(); }
 const PublicKey& RunFolder::key() const noexcept { return impl_->signs->key.public_key(); }
-bool RunFolder::key_is_new() const noexcept { return impl_->signs->made; }
+bool RunFolder::key_is_new() const noexcept { return impl_->key_is_new; }
 
 Result<void> RunFolder::ready() {
   Impl& self = *impl_;
@@ -257,7 +261,8 @@ Result<void> RunFolder::ready() {
 
 Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
   Impl& self = *impl_;
-  auto can = open().and_then([&] { return self.ledger_takes(); }).and_then([&] { return self.has_room(); });
+  if (!self.signs) return tl::unexpected(self.options.directory + " is not open yet");
+  auto can = self.ledger_takes().and_then([&] { return self.has_room(); });
   if (!can) return can;
   if (self.ledger_jobs.size() > kMostKept)
     return tl::unexpected(std::string("the ledger lacks the entries of the last runs, for its disk does not answer"));

@@ -47,11 +47,11 @@ class RunFolder final : public RunStore {
   [[nodiscard]] bool is_open() const noexcept;
   // The public key of the one with which the service signs. The folder must be open.
   [[nodiscard]] const PublicKey& key() const noexcept;
-  // Whether open() made that key: this is the first start in the directory. The folder must be open.
+  // Whether open() made that key: there was none.
   [[nodiscard]] bool key_is_new() const noexcept;
 
   [[nodiscard]] Result<void> ready() override;
-  // The ledger's entry comes after this returns; if the ledger refuses it, write() fails.
+  // The folder must be open. The ledger's entry comes after this returns; if the ledger refuses it, write() fails.
   [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;
   [[nodiscard]] Result<void> write(std::span<const NewEntry> batch) override;
   // The ledger's entry and moving the -wal into the file are left to the background: the caller does not wait for them.

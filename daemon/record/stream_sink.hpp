@@ -51,13 +51,13 @@ class StreamSink {
   // The next record of the stream, RunEdge records among them, before the pipeline takes it. Real-time safe: never
   // waits, never allocates.
   virtual void record(const Record& record) noexcept = 0;
-  // A dwell of the current run, as it was right after record `position`. final: it ended there. Right after
-  // RunEdge::begins those come that ended before, each at its own earlier position. From RunEdge::ends
-  // to the next RunEdge::begins only finals come, of the run that has just ended and at the position of its end. Never
-  // waits.
+  // A dwell of the current run, as it was right after record `position`. final: it ended there. After
+  // RunEdge::begins first come the dwells that ended earlier in the run's records, each at its own position. From
+  // RunEdge::ends to the next RunEdge::begins only finals come, of the run that has just ended and at the position of
+  // its end. Never waits.
   virtual void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) = 0;
   // Published after record `position` of the current run. That position depends on the processor's time, so a replay
-  // does not compare it; what the result says, it does. Never waits.
+  // compares the result alone. Never waits.
   virtual void model(std::uint64_t position, ModelResult result) = 0;
   // The state has changed after the record handed over last; a run may reach back to it. after: never null. Never
   // waits.

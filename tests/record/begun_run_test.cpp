@@ -202,11 +202,9 @@ TEST(ARunThatTheLedgerDoesNotKnowYet, IsNeitherTamperedNorIntact) {
   options.ledger = scratch.path("ledger.dwell-ledger");
   const auto audit = audit_run(file, options);
   ASSERT_FALSE(audit);
-  EXPECT_EQ(
-      audit.error(),
-      file +
-          ": the ledger has no entry of run 1 yet: the service writes it as the run begins; after a crash, at its "
-          "next start");
+  EXPECT_EQ(audit.error(), file +
+                               ": the ledger has no entry of run 1 yet: the service writes it as the run begins, after "
+                               "a crash at its next start; audit it again then");
   fs::remove(first);
   EXPECT_EQ(audit_run(file, options)->where, "the ledger does not know run 1") << "it was slipped in";
 }

@@ -33,7 +33,9 @@ struct FolderRig {
           log.set_clock({r.t_ns, kStart_utc_ns + r.t_ns});
           log.record(r);
           log.caught_up();
-        }) {}
+        }) {
+    EXPECT_TRUE(folder.open());
+  }
 
   // 2.5 s, half a second after its pipeline was armed, and what closes it.
   void record_a_run() {
@@ -93,6 +95,17 @@ TEST(RunFolder, RunsAreFilesOfTheirOwnThatAuditAsIntactAndTheLedgerKnowsThem) {
   EXPECT_EQ(listed.state, "closed");
   EXPECT_EQ(listed.samples, 6000u);
   EXPECT_EQ(listed.head.size(), 64u);
+}
+
+// Whoever opens it tells what a crash left there; a run would not.
+TEST(RunFolder, ARunBeginsInAnOpenFolderOnly) {
+  const Scratch scratch;
+  RunFolder folder(folder_options(scratch.path()));
+  RunHeader header = rig_header();
+  header.start_utc = "2026-11-23T00:00:00Z";
+  EXPECT_EQ(folder.begin(header, 0, {}).error(), scratch.path() + " is not open yet");
+  ASSERT_TRUE(folder.open());
+  EXPECT_TRUE(folder.begin(header, 0, {}));
 }
 
 // While the service lives, its ledger is in use; people copy the file by itself.
