@@ -56,15 +56,15 @@ void read_rig(Section& section, Draft& draft) {
   section.refuse_rest();
 }
 
-// The range of a search is divided into cells of half its lower end, and each reading is added to each of 2000 cells.
-// Doubled: twice the work and the memory (128 kB). Halved: a drive from 0.1 to 100 Hz is one search no more.
+// A search divides its range into cells of half its lower end: 2000 for a thousandfold. Each reading is added to each
+// cell. Doubled: twice the work and the memory (128 kB). Halved: 0.1 to 100 Hz no longer fits one search.
 constexpr double kWidestSearch = 1000.0;
 
 void read_search(Section& section, Draft& draft) {
   Excitation& drive = draft.file.rig.excitation;
   drive.search_low_hz = 0.98 * drive.frequency_hz;
   drive.search_high_hz = 1.02 * drive.frequency_hz;
-  const char* const expected = "[low, high] in Hz, 0 < low < high <= 1000 low, with \"frequency\" between them";
+  const char* const expected = "[low, high] in Hz, 0 < low < high at most 1000 low, with \"frequency\" between them";
   double low = 0.0, high = 0.0;
   if (!section.interval("search", low, high, expected)) return;
   const std::string given = "\"search\" is [" + number_text(low) + ", " + number_text(high) + "]";

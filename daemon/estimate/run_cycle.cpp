@@ -140,7 +140,6 @@ void RunCycle::remember_earlier() {
 void RunCycle::begin(std::uint16_t request) {
   while (live_.size() > 1) drop(live_.size() - 1);
   past_ = {};
-  run_.on = true;
   run_.by_operator = request != 0;
   run_.held = false;
   told_ = live_.front()->measurement().state();  // a newborn one is idle, whatever was shown before
@@ -150,8 +149,10 @@ void RunCycle::begin(std::uint16_t request) {
   record.value = static_cast<double>(live_.front()->position());
   record.channel = request;
   give(record);
-  // Of a drive that went on when its run was stopped, and rested then.
-  for (RunPipeline::Ended& ended : live_.front()->take_kept()) tap_.ended(ended.position, std::move(ended.dwell));
+  run_.on = true;
+  // Dwells that ended before, within the records that the run reaches back to: a drive that went on when its run was
+  // stopped, and rested then.
+  for (RunPipeline::Ended& ended : live_.front()->take_for_run()) tap_.ended(ended.position, std::move(ended.dwell));
 }
 
 void RunCycle::end(EndOfRun why, std::uint16_t request) {
@@ -218,7 +219,7 @@ void RunCycle::drop(std::size_t pipeline) {
 
 // Only events of the shown pipeline pass, and none while a stopped run hides it.
 void RunCycle::told(RunPipeline& by, RunEvent event) {
-  if (event.kind == RunEvent::Kind::dwell_finished && !run_.on) by.keep(event.dwell);
+  if (event.kind == RunEvent::Kind::dwell_finished && !run_.on) by.keep_for_run(event.dwell);
   if (&by != live_.front().get() || run_.held) return;
   if (event.kind == RunEvent::Kind::dwell_finished) {
     if (run_.on) tap_.ended(by.position(), event.dwell);

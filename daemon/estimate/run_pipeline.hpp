@@ -53,14 +53,15 @@ class RunPipeline {
   [[nodiscard]] std::int64_t idle_for_ns(std::int64_t t_ns) const noexcept { return t_ns - not_idle_ns_; }
   [[nodiscard]] std::int64_t unseen_for_ns(std::int64_t t_ns) const noexcept { return t_ns - seen_ns_; }
 
-  // A dwell that ended with the record taken last, while no run went on: a run that reaches back to it holds it too.
-  void keep(std::shared_ptr<const Dwell> dwell) { kept_.push_back({position(), std::move(dwell)}); }
+  // A dwell that ended with the record taken last, while no run went on. A run that begins later reaches back to it and
+  // stores it.
+  void keep_for_run(std::shared_ptr<const Dwell> dwell) { for_run_.push_back({position(), std::move(dwell)}); }
   struct Ended {
     std::uint64_t position;
     std::shared_ptr<const Dwell> dwell;
   };
-  // Those kept, in order; none is kept any more.
-  [[nodiscard]] std::vector<Ended> take_kept() noexcept { return std::exchange(kept_, {}); }
+  // Those, in order; each once.
+  [[nodiscard]] std::vector<Ended> take_for_run() noexcept { return std::exchange(for_run_, {}); }
 
   [[nodiscard]] Measurement& measurement() noexcept { return measurement_; }
   [[nodiscard]] const Measurement& measurement() const noexcept { return measurement_; }
@@ -74,7 +75,7 @@ class RunPipeline {
   Measurement measurement_;
   std::unique_ptr<ModelWork> model_;
   std::vector<std::uint64_t> samples_before_;
-  std::vector<Ended> kept_;
+  std::vector<Ended> for_run_;
   std::int64_t born_ns_ = 0, start_utc_ns_ = 0;
   std::optional<std::int64_t> origin_ns_;
   std::int64_t not_idle_ns_ = 0;  // of the newest record after which it was not idle

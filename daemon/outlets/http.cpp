@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/serve/gzip.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/element_standing.hpp"
+#include "daemon/serve/gzip.hpp"
 #include "daemon/serve/http_actions.hpp"
 #include "daemon/serve/operator_verbs.hpp"
 #include "daemon/serve/query.hpp"

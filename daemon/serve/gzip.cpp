@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <cctype>
-#include <new>
+#include <cstddef>
 #include <optional>
 
 namespace dwell {
 namespace {
 
-constexpr int kGzip = 16;   // added to the window's bits: a gzip header, not zlib's
-constexpr int kMemory = 9;  // of 9
+constexpr int kGzip = 16;             // added to the window's bits: a gzip header, not zlib's
+constexpr int kMemory = 9;            // of 9
+constexpr std::size_t kHeaders = 32;  // bytes by which a gzip header and trailer may exceed zlib's: 12
 
 std::string_view trimmed(std::string_view text) noexcept {
   const auto first = text.find_first_not_of(" \t");
@@ -33,16 +34,16 @@ bool refused(std::string_view weight) noexcept {
 }  // namespace
 
 std::string gzip_of(std::string_view bytes) {
+  std::string packed(compressBound(static_cast<uLong>(bytes.size())) + kHeaders, '\0');
   z_stream stream{};
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, MAX_WBITS + kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw std::bad_alloc();
-  std::string packed(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
+    return {};
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib does not write there
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = reinterpret_cast<Bytef*>(packed.data());
   stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);  // to its end at once: there is room for the worst
-  packed.resize(stream.total_out);
+  const bool whole = deflate(&stream, Z_FINISH) == Z_STREAM_END;
+  packed.resize(whole ? stream.total_out : 0);
   deflateEnd(&stream);
   return packed;
 }

@@ -6,7 +6,7 @@
 
 namespace dwell {
 
-// The bytes packed at the best level: some ms for 100 kB. Throws std::bad_alloc alone.
+// The bytes packed at the best level: some ms for 100 kB. Empty: they cannot be packed.
 [[nodiscard]] std::string gzip_of(std::string_view bytes);
 
 // Whether a client takes gzip, by its field Accept-Encoding (RFC 9110, 12.5.3): it names gzip, or all by "*", at a

@@ -37,7 +37,7 @@ struct HttpReply {
   std::string allowed{};  // Allow, of 405: the methods that the path answers
   std::string cookie{};   // Set-Cookie; empty: none
   std::string encoding{};  // Content-Encoding; empty: none
-  bool varies = false;     // Vary: who accepts other encodings is answered otherwise
+  bool varies = false;     // Vary: the answer depends on Accept-Encoding
   // Path of a file that is the body, streamed piece by piece. Empty: `body` is.
   std::string file{};
   std::string file_name{};  // under which a browser keeps it: letters, digits, ".", "_" and "-"

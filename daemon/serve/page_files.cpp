@@ -115,7 +115,7 @@ std::optional<HttpReply> PageFiles::answer(std::string_view path, bool gzip) con
     return http_error(404, "the page is not to be had: " + trouble_ + "; /api/v1/health and the rest of /api/v1 are");
   }
   for (const File& file : files_)
-    if (file.path == path) return gzip ? file.packed : file.reply;
+    if (file.path == path) return gzip && !file.packed.body.empty() ? file.packed : file.reply;
   return std::nullopt;
 }
 

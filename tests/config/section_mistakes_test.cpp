@@ -106,7 +106,7 @@ TEST(RigFileMistakes, OfTheExcitation) {
 }
 
 TEST(RigFileMistakes, OfTheSearchInterval) {
-  const std::string form = "[low, high] in Hz, 0 < low < high <= 1000 low, with \"frequency\" between them";
+  const std::string form = "[low, high] in Hz, 0 < low < high at most 1000 low, with \"frequency\" between them";
   const std::string expected = ": expected " + form;
   expect_mistake("[3.9, 4.1]", "@[4.1, 3.9]", "\"search\" is [4.1, 3.9]" + expected);
   expect_mistake("[3.9, 4.1]", "@[0.0041, 4.11]", "\"search\" is [0.0041, 4.11]" + expected);

@@ -86,11 +86,11 @@ TEST_F(PageFilesTest, ComeInAThirdOfTheirBytesToWhoTakesGzip) {
 }
 
 TEST(Gzip, IsTakenByWhoNamesItAtAWeightAboveZero) {
-  for (const char* takes : {"gzip", "gzip, deflate, br", "deflate,GZIP", "br;q=1.0, gzip;q=0.8, *;q=0.1", "*",
-                            "gzip ; q=0.001", " , gzip"})
+  for (const char* takes :
+       {"gzip", "gzip, deflate, br", "deflate,GZIP", "br;q=1.0, gzip;q=0.8, *;q=0.1", "*", "gzip ; q=0.001", " , gzip"})
     EXPECT_TRUE(accepts_gzip(takes)) << takes;
-  for (const char* does_not : {"", "identity", "deflate, br", "gzip;q=0", "gzip; q=0.000", "*;q=0", "*, gzip;q=0",
-                               "xgzip", "gzipx", ";", ","})
+  for (const char* does_not :
+       {"", "identity", "deflate, br", "gzip;q=0", "gzip; q=0.000", "*;q=0", "*, gzip;q=0", "xgzip", "gzipx", ";", ","})
     EXPECT_FALSE(accepts_gzip(does_not)) << does_not;
 }
 
