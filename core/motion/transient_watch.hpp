@@ -43,8 +43,9 @@
 
 namespace dwell {
 
-// An estimate with all that it was made from, so that it can be made again. `identify --method motion` on a recording of
-// just these readings gives its coefficients; where the search was put off, their uncertainties and the cause may differ.
+// An estimate with all that it was made from, so that it can be made again. `identify --method motion` on a recording
+// of just these readings gives its coefficients; where the search was put off, their uncertainties and the cause may
+// differ.
 struct TransientEstimate {
   MotionEstimate estimate;
   double from_s = kNaN, until_s = kNaN;  // stamps of the first and the last reading given, on the run's axis
@@ -52,7 +53,7 @@ struct TransientEstimate {
   // Position of the last of them in the stream of the run. They are the newest `given` samples up to there, without
   // those of auxiliary channels.
   std::uint64_t last = 0;
-  bool anew = true;                        // see MotionOptions
+  bool anew = true;                         // see MotionOptions
   std::vector<ChannelFault> at_fault = {};  // likewise
   // Of the last estimate of a dwell that has ended: its index, and what any motion holds against it; empty: nothing.
   std::optional<int> dwell{};
@@ -65,8 +66,8 @@ struct TransientJob {
   std::uint64_t stretch = 0;                  // its number
   std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came
   TransientEstimate result;                   // its estimate is not made yet
-  std::stop_token stop{};              // see MotionOptions: requested once nobody takes the result back
-  std::shared_ptr<const Dwell> ended;  // the dwell as it ended; set for its last estimate only
+  std::stop_token stop{};                     // see MotionOptions: requested once nobody takes the result back
+  std::shared_ptr<const Dwell> ended;         // the dwell as it ended; set for its last estimate only
 
   // Takes seconds; allocates. The rig must be the watch's. Throws Stopped soon after `stop` was requested.
   void run(const Rig& rig);

@@ -24,14 +24,14 @@ struct Finding {
 struct ReplayFindings {
   static constexpr std::size_t kListed = 1000;  // findings kept at most
 
-  std::uint64_t results = 0, finals = 0;  // compared
-  std::uint64_t numbers = 0;              // in them
-  std::uint64_t events = 0;               // compared; child file: all, run: changes of state only
+  std::uint64_t results = 0, finals = 0;           // compared
+  std::uint64_t numbers = 0;                       // in them
+  std::uint64_t events = 0;                        // compared; child file: all, run: changes of state only
   std::uint64_t estimates = 0, verifications = 0;  // compared
-  std::uint64_t different = 0;            // of the numbers and other members
-  std::uint64_t intolerable = 0;          // of these, beyond the tolerance for another build
-  Finding largest;                        // the tolerable one with the largest `in_u`
-  std::vector<std::string> notes;         // what could not be compared, and why that is no difference
+  std::uint64_t different = 0;                     // of the numbers and other members
+  std::uint64_t intolerable = 0;                   // of these, beyond the tolerance for another build
+  Finding largest;                                 // the tolerable one with the largest `in_u`
+  std::vector<std::string> notes;                  // what could not be compared, and why that is no difference
 
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
   void add(Finding finding);
@@ -88,7 +88,7 @@ class ReplayCheck {
   std::uint64_t results_ = 0, finals_ = 0;  // looked at
   std::vector<std::function<void()>> put_off_;
   ReplayFindings findings_;  // the second thread's until it is done
-  std::future<void> work_;  // last: waits for that thread before the rest goes
+  std::future<void> work_;   // last: waits for that thread before the rest goes
 };
 
 }  // namespace dwell::ctl

@@ -69,8 +69,8 @@ std::string words(const record::Origin& origin) {
 std::string headline(const ReplayVerdict& verdict, const ReplayFindings& findings) {
   const std::string seen = count(findings.results + findings.finals, "result", "results") + ", " +
                            std::to_string(findings.finals) + " of dwells that ended, " +
-                           count(findings.numbers, "number", "numbers") +
-                           also(findings.events, "event", "events") + also(findings.estimates, "estimate", "estimates") +
+                           count(findings.numbers, "number", "numbers") + also(findings.events, "event", "events") +
+                           also(findings.estimates, "estimate", "estimates") +
                            also(findings.verifications, "verification", "verifications");
   if (findings.identical()) return "identical: " + seen + ", bit for bit";
   const std::string different = count(findings.different, "difference", "differences") + " in " + seen;

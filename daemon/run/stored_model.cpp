@@ -12,8 +12,8 @@ record::StoredModel stored_model(const record::ModelResult& result, const Rig& r
       [&](const auto& of) {
         constexpr bool is_estimate = std::is_same_v<std::decay_t<decltype(*of)>, TransientEstimate>;
         ModelEntry entry = model_entry(*of, rig);
-        return record::StoredModel{is_estimate ? "estimate" : "verification", 0, {}, std::move(entry.from),
-                                   std::move(entry.result)};
+        return record::StoredModel{
+            is_estimate ? "estimate" : "verification", 0, {}, std::move(entry.from), std::move(entry.result)};
       },
       result);
 }

@@ -22,7 +22,7 @@ struct HttpRequest {
   std::string_view target;
   std::string_view known{};  // If-None-Match: tags of answers that the client already holds; empty: none
   std::string_view authorization{}, content_type{}, cookie{}, origin{};  // the fields of these names; empty: none
-  std::string_view encodings{};  // Accept-Encoding; empty: none
+  std::string_view encodings{};                                          // Accept-Encoding; empty: none
   // Transfer-Encoding: the number of such fields and the value of the first. has_length: there is a Content-Length.
   std::size_t codings = 0;
   std::string_view coding{};

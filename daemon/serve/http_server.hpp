@@ -33,9 +33,9 @@ struct HttpReply {
   // ETag, with its quotes: names the bytes. A client that holds them is answered 304. Empty: the answer is never
   // stored.
   std::string tag{};
-  std::string policy{};   // Content-Security-Policy; empty: none
-  std::string allowed{};  // Allow, of 405: the methods that the path answers
-  std::string cookie{};   // Set-Cookie; empty: none
+  std::string policy{};    // Content-Security-Policy; empty: none
+  std::string allowed{};   // Allow, of 405: the methods that the path answers
+  std::string cookie{};    // Set-Cookie; empty: none
   std::string encoding{};  // Content-Encoding; empty: none
   bool varies = false;     // Vary: the answer depends on Accept-Encoding
   // Path of a file that is the body, streamed piece by piece. Empty: `body` is.
