@@ -8,11 +8,11 @@
 
 namespace dwell {
 
-// A control of the writing direction (Unicode 15.1, UAX #9). With one a name could show its letters, and the text
-// beside it, in another order.
+// A control of the writing direction (Unicode 15.1, UAX #9), with which a name could show its letters, and the text
+// beside it, in another order; or a separator of lines or paragraphs.
 [[nodiscard]] constexpr bool turns_text(unsigned code) noexcept {
-  return code == 0x061C || code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) ||
-         (code >= 0x2066 && code <= 0x2069);
+  return code == 0x2028 || code == 0x2029 || code == 0x061C || code == 0x200E || code == 0x200F ||
+         (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
 }
 
 // Bytes of the control at the beginning of `text`: U+0000 … U+001F, U+007F … U+009F, or one of the writing direction.

@@ -120,6 +120,7 @@ void read_events(RunReader& reader, RunSummary& run) {
     }
     return true;
   }));
+  record::sort_by_place(run.events);
 }
 
 void read_models(RunReader& reader, RunSummary& run) {

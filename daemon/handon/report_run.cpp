@@ -144,7 +144,7 @@ std::string last_coefficients(const std::vector<record::StoredModel>& models) {
     for (const StoredElement& element : stored_elements(model->result))
       rows.push_back({element.k, element.stiffness, element.damping});
     if (rows.empty()) continue;
-    return html_heading(4, "Coefficients of the last estimate, " + model->utc) +
+    return html_heading(3, "Coefficients of the last estimate, " + model->utc) +
            html_table({{"element", true}, {"stiffness c", true}, {"damping r", true}}, rows) +
            html_list({"± is the half width of the 95 % interval."}, "notes");
   }

@@ -81,6 +81,7 @@ RunStory tell_run(Selection& selection, const Progress& progress) {
     }
     return true;
   }));
+  record::sort_by_place(story.events);
   note_end(selection.reader().models([&](const record::StoredModel& model) {
     const std::size_t size = model.from.size() + model.result.size();
     if (story.models.size() < RunStory::kModels && size <= room) {

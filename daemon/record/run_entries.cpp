@@ -369,6 +369,11 @@ bool KeptFile::holds_text() const {
   return !text.empty() || sha256 == kOfNothing;
 }
 
+void sort_by_place(std::vector<StoredEvent>& events) {
+  std::stable_sort(events.begin(), events.end(),
+                   [](const StoredEvent& a, const StoredEvent& b) { return a.position < b.position; });
+}
+
 void shorten(StoredEvent& event, std::size_t most) {
   std::string nobody;
   for (std::string* text : {&event.utc, &event.what, &event.text, event.person ? &event.person->name : &nobody,

@@ -108,6 +108,9 @@ struct StoredEvent {
 // Cuts each text of the event after `most` bytes, between two characters. A note behind the cut says how many bytes are
 // missing, so a cut text is a little longer than `most`.
 void shorten(StoredEvent& event, std::size_t most);
+// As they happened: by their positions in the stream, those of one position as they are. A file tells the faults of a
+// second after what came within it.
+void sort_by_place(std::vector<StoredEvent>& events);
 
 struct RunEnd {
   std::string why;  // "drive stopped", "operator", "service stopped", "disk full", …

@@ -191,5 +191,18 @@ TEST(Origin, NamesWhatMakesTheSameBits) {
   EXPECT_EQ(this_origin().build, origin.build);
 }
 
+TEST(RunEntries, EventsStandAsTheyHappened) {
+  std::vector<StoredEvent> events(4);
+  const std::uint64_t positions[] = {9, 4, 9, 1};
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    events[i].position = positions[i];
+    events[i].text = std::to_string(i);
+  }
+  sort_by_place(events);
+  std::string order;
+  for (const StoredEvent& event : events) order += event.text;
+  EXPECT_EQ(order, "3102");
+}
+
 }  // namespace
 }  // namespace dwell::record
