@@ -1,12 +1,15 @@
-# What the scenarios of recording share: a rig on CAN that is recorded, its folder on an ext4 of its own, an operator.
+# What the scenarios of recording share: a folder on an ext4 of its own, a rig on CAN that is recorded, an operator.
 folder=/var/lib/dwell
 
-# The rig stands; the kernel believes its clock to be right within 1.5 ms.
-start_recorded_rig() {
+make_folder() {
   truncate -s 400M "$work/disk"
   mkfs.ext4 -q -F -m 0 "$work/disk"
   mkdir -p $folder
   mount -o loop "$work/disk" $folder
+}
+# The rig stands; the kernel believes its clock to be right within 1.5 ms.
+start_recorded_rig() {
+  make_folder
   id anna >/dev/null 2>&1 || useradd -G dwell anna
   clock-set synchronized 1500
   start_can vcan0

@@ -1,5 +1,6 @@
 # The rig's own sync output, one pulse for each period of the drive, as the reference of a dwell: pulses that do not come, that
-# come twice, and none at all.
+# come twice, and none at all. All of it is recorded, and replayed from the record.
+. guest/record.sh
 line_is() { health ".gpio.$1.$2"; }
 seen() { health . | jq -c '[.uptime_s, .gpio.sync.edges]'; }
 one_per_period() {  # of 4 Hz, between two looks at it
@@ -7,12 +8,14 @@ one_per_period() {  # of 4 Hz, between two looks at it
 }
 
 start_gpio
+make_folder
 start_rig --tcp 127.0.0.1:1502 --unit mm --noise 0.001 --sync "$lines/sim_gpio1/pull"
 {
   clamped_rig | sed 's/^reference .*/reference = "sync"/'
   echo "[gpio]"
   echo "sync = { chip = \"$chip\", line = 1, debounce = 0.002 }"
   echo "fault = { chip = \"$chip\", line = 3 }"
+  echo "[recording]"
 } | start_service
 claim "sync: pulses come" eventually 30 line_is sync 'edges >= 4'
 first=$(seen)
@@ -45,3 +48,6 @@ stopped() {
   [ "$(seen | jq '.[1]')" = "$before" ]
 }
 claim "sync: none when the drive stops" eventually 10 stopped
+claim "sync: the run ends with the drive" eventually 60 run 1 '.state == "closed" and .dwells >= 2'
+# Its dwells begin and end with pulses, so these are in the record.
+claim "sync: the replay of it is identical, pulses that missed and doubled among them" says "identical: .* bit for bit" dwellctl replay "$(file_of 1)"
