@@ -1,4 +1,4 @@
-# What befalls a service that records: it is killed amid a run, and its disk fills up. Measuring goes on.
+# What befalls a service that records: it is killed amid a run, its disk stalls, and its disk fills up. Measuring goes on.
 . guest/record.sh
 held_up_to() { dwellctl audit "$1" --json | jq -r '.files[0].until_utc'; }
 fill_the_disk() {  # until an attempt adds nothing; a few blocks may be left that the file system keeps for itself
@@ -20,6 +20,18 @@ lost_since() {  # FILE UTC SECONDS
   echo "$lost ms are lost"
   [ "$lost" -ge 0 ] && [ "$lost" -le $(($3 * 1000)) ]
 }
+stall_the_disk() {  # SECONDS; fails if something was written there meanwhile
+  local touching stood=0
+  fsfreeze -f $folder
+  touch $folder/probe &
+  touching=$!
+  sleep "$1"
+  kill -0 $touching || stood=$?
+  fsfreeze -u $folder
+  wait $touching
+  rm $folder/probe
+  return $stood
+}
 
 start_recorded_rig
 rig_says start
@@ -35,12 +47,16 @@ claim "record faults: it misses two seconds at most" lost_since "$first" "$kille
 claim "record faults: what is left of it is replayed" says "identical: " dwellctl replay "$first"
 
 claim "record faults: a dwell is measured" eventually 60 dwell_is '.state == "measuring"'
+claim "record faults: the disk stalls for 5 s" stall_the_disk 5
+claim "record faults: nothing of the stream is lost" eventually 10 \
+  health '.recorder | .recording and .lost_records == 0 and .lost_results == 0 and .lost_events == 0'
 claim "record faults: the disk is filled" fill_the_disk
 claim "record faults: recording stops with an alarm" eventually 20 health '.status == "degraded" and (.reason | test("disk full"))'
 claim "record faults: and a line in the log" log_has "recording stops: disk full; measuring goes on"
 claim "record faults: a start is refused with the room that is missing" eventually 10 \
   refused "recording is stopped: disk full: .*free [0-9]+ MB more there" dwellctl start --label faults
 claim "record faults: the run was closed with the room kept for that" says "${second##*/}: intact$" audit "$second"
+claim "record faults: it is replayed across the stall" says "identical: " dwellctl replay "$second"
 claim "record faults: it says why it ended" shown "$second" 'any(.events[]; .text | test("recording stops: disk full"))'
 claim "record faults: and that it went on after an interruption" shown "$second" 'any(.events[]; .text | test("goes on after an interruption"))'
 claim "record faults: the dwell is measured on" every_coefficient_is_right 8 60
