@@ -14,6 +14,8 @@ claim "record: a run begins with the drive" eventually 40 run 1 '.state == "reco
 claim "record: every coefficient is within 4 u of the truth" every_coefficient_is_right 8 90
 rig_says stop
 claim "record: and ends with it" eventually 60 run 1 '.state == "closed" and .dwells == 1'
+cp -r $folder "$work/earlier"
+rm "$work/earlier/reserve"
 
 claim "record: an operator begins one" as_anna dwellctl start --label "sweep 3" --comment "new damper"
 rig_says start
@@ -32,6 +34,13 @@ claim "record: the replay of the drive's is identical" says "identical: .* bit f
 claim "record: the replay of the operator's is identical" says "identical: .* bit for bit" as_anna dwellctl replay "$second"
 claim "record: an operator signs" as_anna dwellctl sign "$second" --name "Anna Weber" --meaning reviewed --reason "certificate 2231"
 claim "record: the service vouches for her" says "countersigned by the service for user [0-9]+ \(anna\): Anna Weber: reviewed " audit "$second"
+
+# A folder put back to before the second run is whole by itself; the journal holds the heads that were signed since.
+journalctl -u dwelld -o short-iso >"$work/journal"
+claim "record: the heads in the journal fit" says_times 2 ": intact$" audit "$first" "$second" --anchor "$work/journal"
+audit_earlier() { dwellctl audit "$work/earlier/${first##*/}" --ledger "$work/earlier/ledger.dwell-ledger" "$@"; }
+claim "record: a folder put back is whole by itself" says "ledger: unbroken" audit_earlier
+claim "record: but not beside the journal" refused "anchor" audit_earlier --anchor "$work/journal"
 
 cp -r $folder "$work/copy"
 rm "$work/copy/reserve"
