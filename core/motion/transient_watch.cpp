@@ -44,7 +44,7 @@ void TransientJob::run(const Rig& rig) {
                    .channel = static_cast<std::uint16_t>(reading.channel)});
   MotionOptions options;
   options.at_fault = result.at_fault;
-  options.anew = result.anew;
+  options.anew = result.may_search;
   options.stop = stop;
   result.estimate = estimate_motion(rig, recorder.data(), options);
 }
@@ -154,7 +154,7 @@ TransientJob TransientWatch::hand_over() {
     return last;
   }
   TransientJob next = job();
-  next.result.anew = stretch_.anew != AnewSearch::not_asked || record_.full();
+  next.result.may_search = stretch_.anew != AnewSearch::not_asked || record_.full();
   stretch_.handed = next.result.given;
   stale_ = std::stop_source();
   next.stop = stale_.get_token();

@@ -53,8 +53,8 @@ struct TransientEstimate {
   // Position of the last of them in the stream of the run. They are the newest `given` samples up to there, without
   // those of auxiliary channels.
   std::uint64_t last = 0;
-  bool anew = true;                         // see MotionOptions
-  std::vector<ChannelFault> at_fault = {};  // likewise
+  bool may_search = true;                   // MotionOptions::anew
+  std::vector<ChannelFault> at_fault = {};  // MotionOptions::at_fault
   // Of the last estimate of a dwell that has ended: its index, and what any motion holds against it; empty: nothing.
   std::optional<int> dwell{};
   std::string objection{};

@@ -3,21 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/instants.hpp"
-
 namespace dwell::ctl {
-namespace {
-
-std::size_t largest(const std::vector<PublishedEstimate>& published) {
-  std::size_t most = 1;
-  for (const PublishedEstimate& one : published) most = std::max(most, one.of.given);
-  return most;
-}
-
-}  // namespace
 
 EstimatesAgain::EstimatesAgain(const Rig& rig, std::vector<PublishedEstimate> published)
-    : published_(std::move(published)), newest_(largest(published_)) {
+    : published_(std::move(published)), newest_(published_) {
   for (const Channel& channel : rig.channels) counts_.push_back(channel.measures != Quantity::auxiliary);
   std::stable_sort(published_.begin(), published_.end(),
                    [](const PublishedEstimate& a, const PublishedEstimate& b) { return a.of.last < b.of.last; });
@@ -35,14 +24,8 @@ void EstimatesAgain::take(const Record& record, std::int64_t t_ns, std::uint64_t
     }
     TransientJob job;
     job.result = std::move(published.of);
-    job.readings = newest_.readings();
-    const std::size_t given = std::min(job.result.given, job.readings.size());
-    job.readings.erase(job.readings.begin(), job.readings.end() - static_cast<std::ptrdiff_t>(given));
-    job.result.given = given;
-    if (given > 0) {
-      job.result.from_s = to_s(job.readings.front().t_ns);
-      job.result.until_s = to_s(job.readings.back().t_ns);
-    }
+    job.readings = newest_.newest(job.result.given);
+    state_stretch(job.readings, job.result);
     make(std::move(published.stored), std::move(job));
   }
 }

@@ -7,10 +7,10 @@
 #include <functional>
 #include <vector>
 
-#include "core/motion/hold_record.hpp"
 #include "core/motion/transient_watch.hpp"
 #include "core/rig/rig.hpp"
 #include "core/stream/record.hpp"
+#include "daemon/ctl/newest_readings.hpp"
 #include "daemon/record/run_entries.hpp"
 
 namespace dwell::ctl {
@@ -40,7 +40,7 @@ class EstimatesAgain {
   std::vector<bool> counts_;                  // by Rig::channels: all but auxiliary ones
   std::vector<PublishedEstimate> published_;  // by TransientEstimate::last
   std::size_t next_ = 0;
-  HoldRecord newest_;
+  NewestReadings newest_;
   std::vector<PublishedEstimate> left_;
 };
 

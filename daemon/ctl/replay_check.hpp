@@ -35,7 +35,7 @@ struct ReplayFindings {
 
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
   void add(Finding finding);
-  // At most kListed of what was added: first those beyond the tolerance, then the others.
+  // What was added, those beyond the tolerance first. kListed at most.
   [[nodiscard]] std::vector<Finding> listed() const;
 
  private:

@@ -5,16 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/instants.hpp"
-
 namespace dwell::ctl {
 namespace {
-
-std::size_t largest(const std::vector<PublishedVerification>& published) {
-  std::size_t most = 1;
-  for (const PublishedVerification& one : published) most = std::max(most, one.of.given);
-  return most;
-}
 
 // The dwell as it stands after the record taken last, or the one of that index which ended with it.
 std::optional<Dwell> dwell_of(const VerifiedDwell& of, const Replay& replay) {
@@ -26,7 +18,7 @@ std::optional<Dwell> dwell_of(const VerifiedDwell& of, const Replay& replay) {
 
 }  // namespace
 
-VerificationsAgain::VerificationsAgain(std::vector<PublishedVerification> published) : newest_(largest(published)) {
+VerificationsAgain::VerificationsAgain(std::vector<PublishedVerification> published) : newest_(published) {
   for (PublishedVerification& one : published) by_position_.push_back({std::move(one), nullptr});
   std::stable_sort(by_position_.begin(), by_position_.end(), [](const Awaited& a, const Awaited& b) {
     return a.published.of.position < b.published.of.position;
@@ -57,11 +49,7 @@ void VerificationsAgain::take(const Replay& replay, std::int64_t origin_ns, cons
       continue;
     }
     job.result.dwell = std::move(*dwell);
-    job.result.given = job.evidence->size();
-    if (!job.evidence->empty()) {
-      job.result.from_s = to_s(job.evidence->front().t_ns);
-      job.result.until_s = to_s(job.evidence->back().t_ns);
-    }
+    state_stretch(*job.evidence, job.result);
     make(std::move(awaited.published.stored), std::move(job));
   }
 }
@@ -85,9 +73,7 @@ void VerificationsAgain::keep_evidence() {
     if (awaited.published.of.last > gathered_) return;
     if (awaited.published.of.last < gathered_ || kept_ == kMostKept) continue;
     if (const std::size_t given = awaited.published.of.given; !newest || of != given) {
-      std::vector<HoldRecord::Reading> readings = newest_.readings();
-      readings.erase(readings.begin(), readings.end() - static_cast<std::ptrdiff_t>(std::min(given, readings.size())));
-      newest = std::make_shared<const std::vector<HoldRecord::Reading>>(std::move(readings));
+      newest = std::make_shared<const std::vector<HoldRecord::Reading>>(newest_.newest(given));
       of = given;
     }
     awaited.evidence = newest;

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/motion/hold_record.hpp"
 #include "core/verify/verification_watch.hpp"
+#include "daemon/ctl/newest_readings.hpp"
 #include "daemon/ctl/replay.hpp"
 #include "daemon/record/run_entries.hpp"
 
@@ -54,7 +54,7 @@ class VerificationsAgain {
   std::vector<Awaited> by_position_;          // of its dwell
   std::vector<std::size_t> by_last_;          // indexes into by_position_, by the number of the newest reading
   std::size_t next_ = 0, next_evidence_ = 0;  // of these two
-  HoldRecord newest_;
+  NewestReadings newest_;
   std::uint64_t gathered_ = 0;  // readings of the replay's history
   std::size_t kept_ = 0;        // of by_position_ with evidence
   std::vector<PublishedVerification> left_;

@@ -82,7 +82,7 @@ class Estimator {
   bool ask(Kind kind, std::uint8_t flags, std::uint16_t request) noexcept {
     return actions_.push({.channel = request, .kind = kind, .flags = flags});
   }
-  // Puts the records into ready_ that the assembler gives next, by next() or flush(); false: it gives none.
+  // Fills ready_ from the assembler. next: Assembler::next or Assembler::flush. false: nothing came.
   bool gather(bool (Assembler::*next)(Record&) noexcept);
   // Hands the records of ready_ to the traces and the runs.
   void hand_on();

@@ -13,9 +13,8 @@ namespace dwell::record {
 // second, rewrites about three pages.
 inline constexpr int kPageBytes = 16384;
 
-// SQLite waits for the disk at each commit; it does not, and its caller must.
-inline constexpr const char* kWaits = "PRAGMA synchronous = FULL";
-inline constexpr const char* kNoWaits = "PRAGMA synchronous = OFF";
+inline constexpr const char* kWaits = "PRAGMA synchronous = FULL";   // SQLite waits for the disk at each commit
+inline constexpr const char* kNoWaits = "PRAGMA synchronous = OFF";  // it does not: whoever commits must
 
 // Makes an empty chain under another name, waits for the disk once, then renames the file to `path`. The rename
 // survives a loss of power from the first commit on: SQLite then synchronizes the directory for the -wal. Fails where

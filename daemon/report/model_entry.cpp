@@ -69,7 +69,7 @@ ModelEntry model_entry(const TransientEstimate& of, const Rig& rig) {
   view.given = of.given;
   Json from = stretch_json(of);
   from["dwell"] = of.dwell ? Json(*of.dwell) : Json(nullptr);
-  from["may_search"] = of.anew;
+  from["may_search"] = of.may_search;
   from["at_fault"] = json_faults(of.at_fault, rig);
   return {dump(from),
           dump(Json{
@@ -86,7 +86,7 @@ tl::expected<std::optional<TransientEstimate>, std::string> estimate_in(const st
     TransientEstimate of;
     read_stretch(object, of);
     if (object.find("may_search") == object.end()) return std::nullopt;
-    of.anew = boolean_of(object, "may_search");
+    of.may_search = boolean_of(object, "may_search");
     of.at_fault = faults_in(object, rig);
     if (const Json& dwell = member(object, "dwell"); !dwell.is_null()) of.dwell = integer(dwell, "dwell");
     return of;

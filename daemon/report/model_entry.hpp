@@ -19,9 +19,8 @@ struct ModelEntry {
 [[nodiscard]] ModelEntry model_entry(const TransientEstimate& of, const Rig& rig);
 [[nodiscard]] ModelEntry model_entry(const VerifiedDwell& of, const Rig& rig);
 
-// From the text `from`: everything but the estimate and the objection, or but the dwell and the verification. rig: the
-// run's. An error says what of it is missing or of another type. none: an older program wrote it, which did not store
-// all of it.
+// Read the text `from` back. `estimate` and `objection`, or `dwell` and `verification`, stay empty. rig: the run's. An
+// error says which member is missing or of another type. nullopt: an older program wrote it, without `may_search`.
 [[nodiscard]] tl::expected<std::optional<TransientEstimate>, std::string> estimate_in(const std::string& from,
                                                                                       const Rig& rig);
 [[nodiscard]] tl::expected<VerifiedDwell, std::string> verified_in(const std::string& from);

@@ -134,11 +134,11 @@ TEST(TransientWatch, LeavesTheLongSearchToTheSecondEstimateOfAContradictedStretc
   WatchedStart start;
   start.begin_dwell();
   ASSERT_EQ(start.jobs.size(), 1u);
-  EXPECT_FALSE(start.jobs[0].result.anew);
+  EXPECT_FALSE(start.jobs[0].result.may_search);
   start.give_back("contradicted", AnewSearch::put_off);
   start.go_on(3.3, dwell_of(1, 1.0));
   ASSERT_EQ(start.jobs.size(), 2u) << "as soon as after any other estimate";
-  EXPECT_TRUE(start.jobs[1].result.anew);
+  EXPECT_TRUE(start.jobs[1].result.may_search);
   const std::size_t searched = start.jobs[1].readings.size();
   start.give_back("contradicted", AnewSearch::done);
   start.go_on(60.0, dwell_of(1, 1.0));
@@ -179,7 +179,7 @@ TEST(TransientWatch, MakesTheSearchThatWasPutOffEvenWhenTheDwellHasSettledMeanwh
   start.give_back("contradicted", AnewSearch::put_off);
   start.go_on(3.2, settled_dwell(1, 1.0, 3.1));
   ASSERT_EQ(start.jobs.size(), 2u);
-  EXPECT_TRUE(start.jobs[1].result.anew);
+  EXPECT_TRUE(start.jobs[1].result.may_search);
   start.give_back("contradicted", AnewSearch::done);
   start.go_on(60.0, settled_dwell(1, 1.0, 3.1));
   EXPECT_EQ(start.jobs.size(), 2u) << "once";
@@ -191,7 +191,7 @@ TEST(TransientWatch, MakesTheSearchAtOnceWhereNoMoreReadingsCanCome) {
   start.go_on(1.0, Dwell());
   start.go_on(500'000.0 / 7 / 3 / kScans_hz + 20.0, dwell_of(1, 1.0));
   ASSERT_TRUE(start.watch.due());
-  EXPECT_TRUE(start.watch.hand_over().result.anew);
+  EXPECT_TRUE(start.watch.hand_over().result.may_search);
 }
 
 TEST(TransientWatch, StopsItsLastJobWhenItGoesItself) {
@@ -211,7 +211,7 @@ TEST(TransientWatch, BeginsAnotherStretchWithoutTheLongSearch) {
   start.go_on(3.1, Dwell());
   start.go_on(6.0, dwell_of(2, 3.2));
   ASSERT_EQ(start.jobs.size(), 2u);
-  EXPECT_FALSE(start.jobs[1].result.anew);
+  EXPECT_FALSE(start.jobs[1].result.may_search);
 }
 
 TEST(TransientWatch, HandsOverNoMoreThanAnEstimateTakesAndThenRests) {

@@ -1,5 +1,5 @@
 // Whatever an answer holds, the reader of dwells answers: a dwell that can be written again, or why it is none.
-// Likewise the readers of what an estimate and a verification were computed from.
+// The readers of what an estimate and a verification were computed from answer, too.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
