@@ -136,19 +136,20 @@ std::string report_losses(const Selection& selection, const RunStory& story) {
 
 namespace {
 
-// The coefficients of the newest estimate that has any; empty: there is none.
+// The coefficients of the newest estimate, below what stands against them; empty: it has none, as its line says. An
+// older one's are not shown in their place: what refused them holds for those as well.
 std::string last_coefficients(const std::vector<record::StoredModel>& models) {
-  for (auto model = models.rbegin(); model != models.rend(); ++model) {
-    if (model->kind != "estimate") continue;
-    std::vector<std::vector<Markup>> rows;
-    for (const StoredElement& element : stored_elements(model->result))
-      rows.push_back({element.k, element.stiffness, element.damping});
-    if (rows.empty()) continue;
-    return html_heading(3, "Coefficients of the last estimate, " + model->utc) +
-           html_table({{"element", true}, {"stiffness c", true}, {"damping r", true}}, rows) +
-           html_list({"± is the half width of the 95 % interval."}, "notes");
-  }
-  return {};
+  const auto newest = std::find_if(models.rbegin(), models.rend(),
+                                   [](const record::StoredModel& model) { return model.kind == "estimate"; });
+  if (newest == models.rend()) return {};
+  std::vector<std::vector<Markup>> rows;
+  for (const StoredElement& element : stored_elements(newest->result))
+    rows.push_back({element.k, element.stiffness, element.damping});
+  if (rows.empty()) return {};
+  return html_heading(3, "Coefficients of the last estimate, " + newest->utc) +
+         html_list(stored_cautions(newest->result), "warning") +
+         html_table({{"element", true}, {"stiffness c", true}, {"damping r", true}}, rows) +
+         html_list({"± is the half width of the 95 % interval, if the rig is as its file says"}, "notes");
 }
 
 }  // namespace
@@ -167,7 +168,7 @@ std::string report_models(const RunStory& story) {
          (story.models_left_out == 0
               ? std::string()
               : html_paragraph("and " + std::to_string(story.models_left_out) + " more, which are in the run file")) +
-         last_coefficients(story.models);
+         (story.models_left_out == 0 ? last_coefficients(story.models) : std::string());
 }
 
 std::string report_events(const RunStory& story) {

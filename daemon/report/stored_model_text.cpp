@@ -4,6 +4,8 @@
 
 #include "core/base/wording.hpp"
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_reader.hpp"
+#include "daemon/report/missing_report.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/objection_json.hpp"
 
@@ -69,6 +71,25 @@ std::string verification_line(const Json& result) {
 std::string stored_model_text(const std::string& kind, const std::string& from, const std::string& result) {
   const Json of = Json::parse(from, nullptr, false), what = Json::parse(result, nullptr, false);
   return kind == "estimate" ? estimate_text(of, what) : verification_line(what);
+}
+
+std::vector<std::string> stored_cautions(const std::string& result) {
+  std::vector<std::string> found;
+  const Json all = Json::parse(result, nullptr, false);
+  const Json& motion = child_of(all, "motion");
+  if (std::string reason = text_of(child_of(all, "motion_reason")); !reason.empty()) found.push_back(std::move(reason));
+  try {
+    const Json& missing = child_of(motion, "missing");
+    for (const MissingTerm& term : missing.is_array() ? missing_from(missing) : std::vector<MissingTerm>())
+      found.push_back("the rig file may lack: " + missing_text(term));
+  } catch (const json_reader::Mistake& mistake) {
+    found.push_back(std::string("what the rig file may lack cannot be read: ") + mistake.what());
+  }
+  if (const auto objection = objection_in(all); objection && *objection)
+    found.push_back("against dwell " + std::to_string((*objection)->dwell) + ": " + (*objection)->what);
+  if (const Json& warnings = child_of(motion, "warnings"); warnings.is_array())
+    for (const Json& warning : warnings) found.push_back(text_of(warning));
+  return found;
 }
 
 std::vector<StoredElement> stored_elements(const std::string& result) {

@@ -21,5 +21,8 @@ struct StoredElement {
 };
 // The elements of an `estimate` entry; empty: it has no coefficients. result: as above.
 [[nodiscard]] std::vector<StoredElement> stored_elements(const std::string& result);
+// What stands against these coefficients, one sentence each: why the chain is refused, what the rig file may lack, what
+// the estimate holds against its dwell, its warnings. Empty: nothing does. result: as above.
+[[nodiscard]] std::vector<std::string> stored_cautions(const std::string& result);
 
 }  // namespace dwell

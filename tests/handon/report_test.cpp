@@ -60,6 +60,36 @@ TEST(Report, TellsWhatWasEstimatedAndVerifiedMeanwhile) {
   EXPECT_NE(page.find("24.001 ± 0.074 kN/m</td><td class=\"number\">60.22 ± 0.81 N·s/m</td>"), std::string::npos);
 }
 
+// An estimate that something stands against: it must not look as one that nothing does.
+TEST(Report, TellsWhatStandsAgainstTheCoefficientsOfTheLastEstimate) {
+  const record::Scratch scratch;
+  const std::string element = R"({"k":1,"identifiable":true,"stiffness":{"value":24000.7,"U95":74.4,"unit":"N/m"},)"
+                              R"("damping":{"value":60.22,"U95":0.81,"unit":"N*s/m"}})";
+  const auto page_of = [&](const std::string& name, const std::string& last_result) {
+    test::HandedRun run;
+    run.length_s = 2.0;
+    run.models = {{"estimate", 300, "2026-11-23T03:12:18Z", R"({"last":290,"readings":200,"from_s":0.5,"until_s":2.5})",
+                   R"({"motion":{"elements":[)" + element + "]}}"},
+                  {"estimate", 400, "2026-11-23T03:12:19Z", R"({"last":390,"readings":250,"from_s":0.5,"until_s":3.1})",
+                   last_result}};
+    test::write(run, scratch.path(name));
+    Selection selection = test::select(run);
+    return report_page(selection, tell_run(selection, {}), {}, test::provenance());
+  };
+  const std::string doubted = page_of(
+      "doubted.dwell", R"({"motion":{"elements":[)" + element +
+                           R"(],"missing":[],"warnings":["the table <errs> in a pattern"]},"motion_reason":"the chain )"
+                           R"(does not explain the readings","objection":{"dwell":3,"what":"a spring of 799 N/m"}})");
+  const std::size_t table = doubted.find("24.001 ± 0.074 kN/m</td>");
+  ASSERT_NE(table, std::string::npos);
+  for (const char* caution :
+       {"<li>the chain does not explain the readings</li>", "<li>against dwell 3: a spring of 799 N/m</li>",
+        "<li>the table &lt;errs&gt; in a pattern</li>"})
+    EXPECT_LT(doubted.find(caution), table) << caution;
+  const std::string refused = page_of("refused.dwell", R"({"motion":null,"motion_reason":"no linear chain"})");
+  EXPECT_EQ(refused.find("Coefficients of the last estimate"), std::string::npos) << "those of an older one are shown";
+}
+
 // A "1" close to the left of "0°" would read as "10°".
 TEST(Report, TheNumberOfAnArrowStandsClearOfTheAngles) {
   const std::string svg = phasor_picture({{1.0, 1, 0}});
