@@ -2,8 +2,8 @@
 
 #include <zlib.h>
 
-#include <algorithm>
-#include <cctype>
+#include <boost/beast/core/string.hpp>
+#include <boost/beast/http/rfc7230.hpp>
 #include <cstddef>
 #include <optional>
 
@@ -14,21 +14,9 @@ constexpr int kGzip = 16;             // added to the window's bits: a gzip head
 constexpr int kMemory = 9;            // of 9
 constexpr std::size_t kHeaders = 32;  // bytes by which a gzip header and trailer may exceed zlib's: 12
 
-std::string_view trimmed(std::string_view text) noexcept {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-bool same_letters(std::string_view a, std::string_view b) noexcept {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
-}
-
-// "q=0", "q=0.000": not acceptable.
-bool refused(std::string_view weight) noexcept {
-  if (weight.size() < 3 || !same_letters(weight.substr(0, 2), "q=")) return false;
-  return weight.find_first_not_of("0.", 2) == std::string_view::npos;
+// "0", "0.000": not acceptable.
+bool is_zero(std::string_view weight) noexcept {
+  return !weight.empty() && weight.find_first_not_of("0.") == std::string_view::npos;
 }
 
 }  // namespace
@@ -48,15 +36,14 @@ std::string gzip_of(std::string_view bytes) {
   return packed;
 }
 
-bool accepts_gzip(std::string_view accepted) noexcept {
+bool accepts_gzip(std::string_view accepted) {
+  namespace beast = boost::beast;
   std::optional<bool> by_name, by_all;
-  while (!accepted.empty()) {
-    const std::string_view one = accepted.substr(0, accepted.find(','));
-    accepted.remove_prefix(std::min(accepted.size(), one.size() + 1));
-    const auto mark = one.find(';');
-    const std::string_view name = trimmed(one.substr(0, mark));
-    const bool taken = mark == std::string_view::npos || !refused(trimmed(one.substr(mark + 1)));
-    if (same_letters(name, "gzip")) by_name = taken;
+  for (const auto& [name, parameters] : beast::http::ext_list{{accepted.data(), accepted.size()}}) {
+    bool taken = true;
+    for (const auto& [parameter, value] : parameters)
+      if (beast::iequals(parameter, "q")) taken = !is_zero({value.data(), value.size()});
+    if (beast::iequals(name, "gzip")) by_name = taken;
     if (name == "*") by_all = taken;
   }
   return by_name.value_or(by_all.value_or(false));

@@ -10,7 +10,8 @@ namespace dwell {
 [[nodiscard]] std::string gzip_of(std::string_view bytes);
 
 // Whether a client takes gzip, by its field Accept-Encoding (RFC 9110, 12.5.3): it names gzip, or all by "*", at a
-// weight above 0. accepted: any bytes; empty: there is no such field, so the content goes as it is.
-[[nodiscard]] bool accepts_gzip(std::string_view accepted) noexcept;
+// weight above 0. accepted: any bytes, read up to the first that do not fit; empty: there is no such field, so the
+// content goes as it is.
+[[nodiscard]] bool accepts_gzip(std::string_view accepted);
 
 }  // namespace dwell
