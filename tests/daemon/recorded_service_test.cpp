@@ -123,6 +123,16 @@ TEST_F(RecordedService, ItsRunFileIsReadByTheIndependentReader) {
   EXPECT_EQ(found_positions, positions);
 }
 
+// What the threads for long work published, each at its own time.
+TEST_F(RecordedService, ItsEstimatesAndVerificationsAreComputedAgainToTheBit) {
+  const std::string said = scratch().path("replayed");
+  EXPECT_EQ(std::system((DWELLCTL " replay --models --json " + first_file() + " >" + said).c_str()), 0);
+  const nlohmann::json found = nlohmann::json::parse(record::Scratch::read(said), nullptr, false);
+  EXPECT_EQ(found["identical"], true) << found["differences"];
+  EXPECT_GT(found["compared"]["estimates"], 0);
+  EXPECT_GT(found["compared"]["verifications"], 0);
+}
+
 TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsks) {
   record::RunReader reader = read();
   std::vector<std::uint64_t> positions;
