@@ -15,7 +15,9 @@
 #include "daemon/record/directory_lock.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/record_ring.hpp"
+#include "daemon/record/run_folder.hpp"
 #include "daemon/record/run_reader.hpp"
+#include "tests/record/child.hpp"
 #include "tests/record/recorded_rig.hpp"
 #include "tests/record/scratch.hpp"
 #include "tests/record/synthetic_stream.hpp"
@@ -199,23 +201,21 @@ TEST_F(RecorderTest, WhereNoRunWaitsTheLogTellsAtOnceThatRunsCanBeRecorded) {
 
 // The service before was killed and is not gone yet when this one looks at the directory for the first time.
 TEST_F(RecorderTest, ARunThatBeginsInADirectoryThatJustBecameFreeTellsOfTheOneThatWasCutOff) {
-  const std::string left = scratch.path("left");
-  {
-    Recorder recorder(recorder_options(scratch.path("before"), notices));
-    SyntheticStream stream = stream_to(recorder);
-    stream.starts();
-    stream.play(3.0);
-    // Its file has one name: a copy of both names would be two files.
-    ASSERT_TRUE(eventually([&] {
-      return notices.hold("recording run 1") && !std::filesystem::exists(scratch.path("before/next-1.new"));
-    }));
-    std::filesystem::copy(scratch.path("before"), left,
-                          std::filesystem::copy_options::recursive);  // as a kill leaves it
-  }
+  ASSERT_EQ(in_child([&] {
+              RunFolder folder(folder_options(scratch.path()));
+              RunHeader header = rig_header();
+              header.start_utc = "2026-11-23T00:00:00Z";
+              if (const auto ready = folder.ready(); !ready) return std::string(ready.error());
+              if (const auto begun = folder.begin(header, 1, {}); !begun) return std::string(begun.error());
+              folder.settle();
+              vanish();
+              return std::string();
+            }),
+            "");
   std::optional<DirectoryLock> other(std::in_place);
-  ASSERT_TRUE(other->take(left));
+  ASSERT_TRUE(other->take(scratch.path()));
   {
-    Recorder recorder(recorder_options(left, notices));
+    Recorder recorder(recorder_options(scratch.path(), notices));
     ASSERT_TRUE(eventually([&] { return notices.hold("another dwelld records here"); }));
     other.reset();
     SyntheticStream stream = stream_to(recorder);
