@@ -107,21 +107,25 @@ struct Recorder::Impl {
   // … to here.
   std::atomic<bool> restart{false};
   std::atomic<std::int64_t> turned_ns{raw_now_ns()};
-  mutable std::mutex mutex;
-  std::condition_variable wake;
-  bool stop = false;
-  RecorderState state;
-  std::vector<Entering> signatures;     // for the ledger
+  // What other threads ask for and are told. `mutex` guards the rest of it.
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable wake;
+    bool stop = false;
+    RecorderState state;
+    std::vector<Entering> signatures;  // for the ledger
+  };
+  Shared shared;
   std::promise<void> first_file_tried;  // set once the first file is made, or cannot be
   const std::shared_future<void> first_file = first_file_tried.get_future().share();
   std::thread thread;
 
   void finish() {
     {
-      const std::lock_guard lock(mutex);
-      stop = true;
+      const std::lock_guard lock(shared.mutex);
+      shared.stop = true;
     }
-    wake.notify_all();
+    shared.wake.notify_all();
     if (thread.joinable()) thread.join();
   }
 
@@ -132,8 +136,8 @@ struct Recorder::Impl {
     first_file_tried.set_value();
     for (bool last = false; !last;) {
       {
-        std::unique_lock lock(mutex);
-        last = wake.wait_for(lock, kTurn, [this] { return stop; });
+        std::unique_lock lock(shared.mutex);
+        last = shared.wake.wait_for(lock, kTurn, [this] { return shared.stop; });
       }
       turn({raw_now_ns(), utc_now_ns()});
     }
@@ -189,8 +193,8 @@ struct Recorder::Impl {
   void enter_signatures() {
     std::vector<Entering> asked;
     {
-      const std::lock_guard lock(mutex);
-      asked.swap(signatures);
+      const std::lock_guard lock(shared.mutex);
+      asked.swap(shared.signatures);
     }
     for (Entering& entering : asked) entering.entered.set_value(folder.run_signed(entering.run, entering.signature));
   }
@@ -258,8 +262,8 @@ struct Recorder::Impl {
       fresh.alarms.push_back({"runs", "runs cannot be recorded: " + why});
     if (!keeper.anchor_trouble().empty())
       fresh.alarms.push_back({"anchor", "heads are not anchored: " + keeper.anchor_trouble()});
-    const std::lock_guard lock(mutex);
-    state = std::move(fresh);
+    const std::lock_guard lock(shared.mutex);
+    shared.state = std::move(fresh);
   }
 };
 
@@ -276,8 +280,8 @@ void Recorder::state(const StateChange& change, std::shared_ptr<const Dwell> aft
 }
 void Recorder::request(Request request) { impl_->inbox.put(std::move(request)); }
 Obstacle Recorder::obstacle() const {
-  const std::lock_guard lock(impl_->mutex);
-  return impl_->state.obstacle;
+  const std::lock_guard lock(impl_->shared.mutex);
+  return impl_->shared.state.obstacle;
 }
 void Recorder::event(StoredEvent event) { impl_->inbox.put(std::move(event)); }
 
@@ -285,9 +289,9 @@ Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& sig
   Entering entering{run, signature, {}};
   std::future<std::future<Result<void>>> entered = entering.entered.get_future();
   {
-    const std::lock_guard lock(impl_->mutex);
-    if (impl_->stop) return tl::unexpected(std::string("the service is stopping"));
-    impl_->signatures.push_back(std::move(entering));
+    const std::lock_guard lock(impl_->shared.mutex);
+    if (impl_->shared.stop) return tl::unexpected(std::string("the service is stopping"));
+    impl_->shared.signatures.push_back(std::move(entering));
   }
   return entered.get().get();
 }
@@ -302,8 +306,8 @@ bool Recorder::take_restart() noexcept { return impl_->restart.exchange(false, s
 RecorderState Recorder::state(std::int64_t now_ns) const {
   RecorderState state;
   {
-    const std::lock_guard lock(impl_->mutex);
-    state = impl_->state;
+    const std::lock_guard lock(impl_->shared.mutex);
+    state = impl_->shared.state;
   }
   state.lost_records = impl_->ring.lost_records();
   const std::int64_t still_ns = now_ns - last_turn_ns();
