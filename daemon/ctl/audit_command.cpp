@@ -58,12 +58,21 @@ std::size_t skipped_anchor_lines(const std::vector<record::Audit>& audits,
   return audits.empty() ? 0 : audits.front().skipped_anchor_lines;
 }
 
+// How many anchored heads were compared, and hold. A file of anchors that names none of `what` proves nothing of it.
+std::string anchors_line(std::size_t heads, const std::string& what) {
+  if (heads == 0) return "  anchors: none of " + what + ", so nothing was compared\n";
+  return "  anchors: " + std::to_string(heads) + (heads == 1 ? " head of " : " heads of ") + what +
+         (heads == 1 ? " was compared, and holds\n" : " were compared, and hold\n");
+}
+
 std::string page(const std::vector<record::Audit>& audits, const AuditRequest& request,
                  const std::optional<record::LedgerAudit>& ledger) {
   std::string text;
   for (const record::Audit& audit : audits) {
     text += printable(audit.file + ": " + verdict(audit)) + "\n";
     for (const record::AuditedSignature& one : audit.signatures) text += "  signed: " + printable(one.text) + "\n";
+    if (!request.anchors.empty() && audit.state != AuditState::tampered)
+      text += anchors_line(audit.anchored_heads, "this run");
   }
   if (const std::size_t lines = skipped_anchor_lines(audits, ledger); lines > 0)
     text += "anchors: " + std::to_string(lines) +
@@ -76,6 +85,7 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
             "\n";
   for (const std::string& line : ledger->missing) text += printable(request.ledger + ": missing: " + line) + "\n";
   for (const std::string& line : ledger->deleted) text += "  deleted: " + printable(line) + "\n";
+  if (!request.anchors.empty() && ledger->unbroken) text += anchors_line(ledger->anchored_heads, "this ledger");
   if (ledger->foreign_anchors > 0)
     text += "  anchors: " + std::to_string(ledger->foreign_anchors) +
             (ledger->foreign_anchors == 1 ? " line is" : " lines are") +
@@ -104,7 +114,8 @@ Json json_of(const record::Audit& audit) {
           {"trusted", audit.trusted},
           {"known_to_ledger", audit.of_ledger},
           {"signatures", std::move(signatures)},
-          {"signature_keys", std::move(keys)}};
+          {"signature_keys", std::move(keys)},
+          {"anchored_heads", audit.anchored_heads}};
 }
 
 Json json_of(const std::vector<record::Audit>& audits, const std::optional<record::LedgerAudit>& ledger) {
@@ -116,6 +127,7 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
     document["ledger_trusted"] = ledger->trusted;
     document["missing"] = ledger->missing;
     document["deleted"] = ledger->deleted;
+    document["anchored_heads"] = ledger->anchored_heads;
     document["foreign_anchors"] = ledger->foreign_anchors;
   }
   document["skipped_anchor_lines"] = skipped_anchor_lines(audits, ledger);

@@ -117,7 +117,7 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
   audit_.run = header_.run;
   audit_.id = header_.id;
   audit_.key = key_.fingerprint();
-  known_.add(anchors_, origin());
+  audit_.anchored_heads = known_.add(anchors_, origin());
   audit_.of_ledger = ledger_ != nullptr && ledger_->knows(key_);
   // A ledger by a pinned key connects the keys: all of them signed it in turn, and each vouches for the entries before
   // it. Without a pinned key a ledger vouches for itself alone: whoever forges the runs forges the ledger with them.

@@ -44,6 +44,7 @@ struct Audit {
   bool of_ledger = false;  // the ledger knows the key; without a pinned key this proves nothing
   std::vector<AuditedSignature> signatures;
   std::string broken_ledger;  // why the ledger asked for does not verify: nothing was compared with it; empty: it does
+  std::size_t anchored_heads = 0;        // anchors of this run; all of them hold unless the file is tampered
   std::size_t skipped_anchor_lines = 0;  // Anchors::skipped
 };
 
@@ -85,6 +86,7 @@ struct LedgerAudit {
   std::string where;                 // what is broken
   std::vector<std::string> deleted;  // runs entered as deleted, one line each: by retention, or they never had a file
   std::vector<std::string> missing;  // runs that should be in `directory` and are not
+  std::size_t anchored_heads = 0;    // anchors of this ledger; all of them hold if it is unbroken
   std::size_t foreign_anchors = 0;   // lines of ledgers other than this one: nothing is compared with them
   std::size_t skipped_anchor_lines = 0;  // Anchors::skipped
 };

@@ -106,10 +106,10 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
       audit.missing.push_back(std::move(line));
   }
   for (std::string& line : unknown(ledger->book, anchors->all)) audit.missing.push_back(std::move(line));
-  audit.foreign_anchors = static_cast<std::size_t>(
-      std::count_if(anchors->all.begin(), anchors->all.end(), [own = ledger->book.origin()](const Anchor& anchor) {
-        return anchor.origin.rfind("dwell/ledger/", 0) == 0 && anchor.origin != own;
-      }));
+  for (const Anchor& anchor : anchors->all) {
+    if (anchor.origin.rfind("dwell/ledger/", 0) != 0) continue;
+    ++(anchor.origin == ledger->book.origin() ? audit.anchored_heads : audit.foreign_anchors);
+  }
   audit.skipped_anchor_lines = anchors->skipped;
   if (options.progress) options.progress(1.0);
   return audit;

@@ -93,9 +93,14 @@ std::int64_t ChainAudit::last_seq() const {
   return last.empty() ? 0 : std::strtoll(last.c_str(), nullptr, 10);
 }
 
-void KnownHeads::add(const std::vector<Anchor>& anchors, const std::string& origin) {
-  for (const Anchor& anchor : anchors)
-    if (anchor.origin == origin) add(anchor.seq, anchor.head, "the anchor of " + anchor.utc);
+std::size_t KnownHeads::add(const std::vector<Anchor>& anchors, const std::string& origin) {
+  std::size_t added = 0;
+  for (const Anchor& anchor : anchors) {
+    if (anchor.origin != origin) continue;
+    add(anchor.seq, anchor.head, "the anchor of " + anchor.utc);
+    ++added;
+  }
+  return added;
 }
 
 Result<void> KnownHeads::fits(std::int64_t seq, const Digest& head) const {

@@ -62,8 +62,8 @@ class KnownHeads {
   void add(std::int64_t seq, const Digest& head, std::string source) {
     heads_.emplace(seq, Known{head, std::move(source)});
   }
-  // Adds the anchors of this chain.
-  void add(const std::vector<Anchor>& anchors, const std::string& origin);
+  // Adds the anchors of this chain. Returns how many there are.
+  std::size_t add(const std::vector<Anchor>& anchors, const std::string& origin);
   // Fails if another head is known for this entry.
   [[nodiscard]] Result<void> fits(std::int64_t seq, const Digest& head) const;
   // Fails if a later entry is known than the last one of the file.

@@ -120,12 +120,15 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   const SampleRun run = make("run.dwell");
   write(run, key);
   const std::string ledger = folder.path("ledger.dwell-ledger");
+  record::Anchor anchor;
   {
     auto made = record::Ledger::open(folder.path(""), key);
     ASSERT_TRUE(made) << made.error();
     record::RunHeader first = run.header;
     first.run = made->next_run();
     ASSERT_TRUE(made->run_begins(first, "run.dwell"));
+    anchor = made->head();
+    anchor.utc = "2026-11-23T03:12:17.250000Z";
   }
   const Outcome there = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(there.code, 0) << there.out << there.err;
@@ -151,11 +154,15 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   EXPECT_EQ(linked.code, 0) << "the runs lie beside the ledger itself: " << linked.out;
   const Outcome alone = test::run({"audit", "--ledger", ledger});
   EXPECT_EQ(alone.out, ledger + ": unbroken, key " + key.public_key().fingerprint() + " not trusted\n");
+  const Outcome held =
+      test::run({"audit", "--ledger", ledger, "--anchor", folder.file("kept", to_line(anchor) + "\n")});
+  EXPECT_TRUE(holds(held.out, "\n  anchors: 1 head of this ledger was compared, and holds\n")) << held.out;
   const std::string line =
       "2026-11-23T03:12:17.250000Z dwell/ledger/" + std::string(32, 'e') + " 2 " + std::string(43, 'A') + "=\n";
   const std::string anchors = folder.file("anchors", line + line + "run stopped by anna (uid 1000): " + line);
   const Outcome foreign = test::run({"audit", "--ledger", ledger, "--anchor", anchors});
   EXPECT_EQ(foreign.code, 0) << foreign.err;
+  EXPECT_TRUE(holds(foreign.out, "\n  anchors: none of this ledger, so nothing was compared\n")) << foreign.out;
   EXPECT_TRUE(holds(foreign.out, "\n  anchors: 2 lines are of another ledger, so nothing was compared with them\n"))
       << foreign.out;
   const std::string skipped =
@@ -163,6 +170,7 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   EXPECT_TRUE(holds("\n" + foreign.out, skipped)) << foreign.out;
   const Outcome run_alone = test::run({"audit", folder.path("run.dwell"), "--anchor", anchors});
   EXPECT_TRUE(holds(run_alone.out, skipped)) << "a lost anchor must not pass for none: " << run_alone.out;
+  EXPECT_TRUE(holds(run_alone.out, "\n  anchors: none of this run, so nothing was compared\n")) << run_alone.out;
   EXPECT_EQ(nlohmann::json::parse(
                 test::run({"audit", "--json", "--ledger", ledger, "--anchor", anchors}).out)["foreign_anchors"],
             2);

@@ -250,7 +250,9 @@ TEST(Audit, AnAnchorTellsACutTailFromACrash) {
   const auto seq = static_cast<std::int64_t>(rows_of(path).size());
   const Anchor anchor{"2026-11-23T03:12:20.000000Z", "dwell/run/" + sample_header(7, sample_key()).id, seq,
                       *from_hex(head)};
-  EXPECT_EQ(audited(path, with_anchors(scratch, to_line(anchor) + "\n")).state, AuditState::open);
+  const Audit whole = audited(path, with_anchors(scratch, to_line(anchor) + "\n"));
+  EXPECT_EQ(whole.state, AuditState::open);
+  EXPECT_EQ(whole.anchored_heads, 1u);
   std::filesystem::resize_file(path + "-wal", std::filesystem::file_size(path + "-wal") - 30000);
   EXPECT_EQ(audited(path).state, AuditState::open) << "as after a crash";
   const Audit cut = audited(path, with_anchors(scratch, to_line(anchor) + "\n"));
