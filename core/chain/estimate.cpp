@@ -92,6 +92,8 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
         element.budget = propagation.budget(e);
       }
     }
+    result.u.emplace_back(element.identifiable ? Eigen::Vector2d(element.stiffness.u, element.damping.u)
+                                               : Eigen::Vector2d::Constant(kNaN));
     result.elements.push_back(std::move(element));
     result.Z.push_back(Z);
   }

@@ -29,7 +29,10 @@ namespace dwell {
 
 struct ElementsResult {
   std::vector<ElementEstimate> elements;  // one per element of the chain
-  std::vector<double> covariance;         // of (c, r) of each identifiable element; row-major
+  // Standard uncertainties of c and r of each element, N/m and N·s/m; NaN: the readings do not determine them. An
+  // element whose coefficients come out negative is determined, although it is withheld.
+  std::vector<Eigen::Vector2d> u;
+  std::vector<double> covariance;  // of (c, r) of each identifiable element; row-major
   std::vector<Warning> warnings;
   std::vector<Doubt> doubts;
   std::vector<std::complex<double>> Z;  // N/m; NaN where not determined

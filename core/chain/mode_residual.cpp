@@ -46,7 +46,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   };
   const Complex inertia = -seen.pole * seen.pole;
   for (Index e = 0; e < static_cast<Index>(identified.elements.size()); ++e) {
-    if (!identified.elements[static_cast<std::size_t>(e)].identifiable) continue;
+    if (!identified.u[static_cast<std::size_t>(e)].allFinite()) continue;
     const int k = static_cast<int>(e) + 1;
     if (is_seen(force_row(rig, k, inertia).transpose() * identified.gain) &&
         is_seen(deformation_row(n, k).transpose() * identified.gain))
@@ -141,8 +141,8 @@ double ModeResidual::deformation_variance(Index i) const {
 // 3: fully correlated normal errors have E[x⁴] = 3 E[x²]².
 double ModeResidual::second_order(Index i) const {
   const auto e = static_cast<std::size_t>(elements_[static_cast<std::size_t>(i)]);
-  const ElementEstimate& element = identified_.elements[e];
-  const double Z2 = std::pow(element.stiffness.u, 2) + std::norm(seen_.pole) * std::pow(element.damping.u, 2);
+  const Eigen::Vector2d& u = identified_.u[e];
+  const double Z2 = u(0) * u(0) + std::norm(seen_.pole) * u(1) * u(1);
   return 3 * Z2 * (deformation_variance(i) + Z2 / std::norm(identified_.Z[e]) * std::norm(deformation_(i)));
 }
 

@@ -21,9 +21,10 @@ namespace dwell {
 
 class ModeResidual {
  public:
-  // omega: of the drive from which `identified` comes, rad/s. An element takes part if it is identifiable and all its
-  // channels are in the fit of `seen`. pole_widens: factor of the variance of the pole, since its errors are normal
-  // near it alone; overstated_distance(). Allocates; O(channels² · elements).
+  // omega: of the drive from which `identified` comes, rad/s. An element takes part if it is determined
+  // (ElementsResult::u) and all its channels are in the fit of `seen`. One that is withheld as negative has its
+  // equations too: without them any single fault would explain the few that remain. pole_widens: factor of the variance
+  // of the pole, since its errors are normal near it alone; overstated_distance(). Allocates; O(channels² · elements).
   ModeResidual(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen,
                double pole_widens = 1.0);
 
