@@ -212,7 +212,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   // uncertainty of its own.
   if (!clock_synchronized)
     health.troubles.push_back(
-        {"clock", "the computer's clock is not synchronized: dates may be wrong", false, TroubleKind::clock});
+        {"clock", "the computer's clock is not synchronized: dates may be wrong, coefficients are not affected", false,
+         TroubleKind::clock});
 
   // The readings are as good as before, but no valid certificate proves their scale: an alarm that does not degrade.
   for (const Channel& channel : rig.channels)

@@ -134,6 +134,8 @@ export function legendOf(shown, trendLacks = []) {
   if (shown.elements.length === 0) return '';
   const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
   const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
+  if (shown.source === 'transient')
+    parts.push('Slanted: an estimate from the readings so far, not yet the result; the numbers of the steady motion replace it once the rig has settled');
   for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
   if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
     parts.push('struck through: no longer renewed; its age stands beside it');
@@ -160,9 +162,9 @@ export function trendLegendOf(shown, reach_ms, someDoubted = false) {
 //   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
 //           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
-// view: { dwell, health, fresh, now, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
+// view: { dwell, health, fresh, now, nowMs: UTC of now, ms, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
 // refused: nobody is logged in }
-export function coefficientsOf({ dwell, health, fresh, now, last, verification, broken, refused }) {
+export function coefficientsOf({ dwell, health, fresh, now, nowMs, last, verification, broken, refused }) {
   const none = (reason) => ({ source: 'none', title: '', notes: [], reason, unstated: [], warnings: dwell ? generalWarnings(dwell) : [],
     nowWarnings: [], elements: [] });
   if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
@@ -191,7 +193,8 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
 
   const m = dwell.motion;
   if (dwell.state === 'settling' && m && m.elements.length > 0) {
-    const stretch = `${m.start_s.toFixed(1)} to ${secondsText(m.end_s)}`;
+    const age_s = (nowMs - utcMs(dwell, m.end_s)) / 1e3;
+    const stretch = `${m.start_s.toFixed(1)} to ${secondsText(m.end_s)}${age_s >= 1 ? `, ${ageText(age_s)} ago` : ''}`;
     return shown(m.elements, 'transient', `from the transient, ${stretch}: an estimate before the verdict`);
   }
   if (dwell.state === 'settling')

@@ -12,7 +12,7 @@ import { inNextPicture } from './pictures.mjs';
 import { showTables } from './tables_view.mjs';
 import { TracesView } from './traces_view.mjs';
 import { showBeyond } from './wall_view.mjs';
-import { withButton } from './wording.mjs';
+import { playsRecording, withButton } from './wording.mjs';
 
 // Ages and the connection are looked at so often even when nothing comes.
 const TICK_MS = 250;
@@ -32,7 +32,7 @@ function draw() {
   showHead(view);
   showCoefficients(view);
   for (const part of slower) part(view);
-  traces.look(now, feed.fresh.old_s);
+  traces.look(now, feed.fresh.old_s, playsRecording(feed.health));
 }
 
 const changed = () => inNextPicture(draw);

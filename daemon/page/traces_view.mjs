@@ -36,6 +36,7 @@ async function ask(query) {
 export class TracesView {
   #plot = new TracePlot($('trace-plot'));
   #window = null;
+  #played = false;
   #view = { from_s: 0, to_s: SPANS.usual, end: 'now' };
   #span_s = SPANS.usual;
   #live = true;
@@ -99,8 +100,9 @@ export class TracesView {
     this.#ask();
   }
 
-  // To be called some times a second: what stands still grows old, after old_s.
-  look(now, old_s) {
+  // To be called some times a second: what stands still grows old, after old_s. played: a recording, not a rig.
+  look(now, old_s, played) {
+    this.#played = played;
     if ($('traces').hidden) return;
     const quiet = now - this.#came_s;
     const ages = this.#live && this.#window ? this.#agesNow(quiet, old_s) : [];
@@ -338,7 +340,7 @@ export class TracesView {
     const what = less ? `readings less the steady part of dwell ${this.#window.less_dwell}${over}${wide}` : 'readings';
     const bins = this.#window ? `, least and greatest in ${durationText(this.#window.step_s)}` : '';
     const stands = this.#live && this.#view.end !== 'now';
-    const state = stands ? `old, from ${this.#view.end}` : this.#live ? 'live' : 'paused';
+    const state = stands ? `old, from ${this.#view.end}` : this.#live ? (this.#played ? 'a recording as it is played' : 'live') : 'paused';
     setText($('trace-what'), `${durationText(this.#span_s)} in view, ${state}: ${what}${bins}${stands ? '' : this.#oldText()}`);
     setAttributes($('traces'), { 'data-old': stands });
     setText($('trace-news'), this.#news);

@@ -98,8 +98,10 @@ function stateOfDwell(dwell) {
 export function stateOf(view) {
   const state = stateOfService(view);
   if (state) return { ...state, age: null };
-  const { dwell, fresh, now } = view;
-  return { ...stateOfDwell(dwell), age: fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null };
+  const { dwell, health, fresh, now } = view;
+  const told = stateOfDwell(dwell);
+  const detail = playsRecording(health) ? `a recording, not live: ${told.detail}` : told.detail;
+  return { ...told, detail, age: fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null };
 }
 
 // Why a dwell's model has no verdict yet. verification: the newest of the run, which may be of a dwell before.

@@ -102,7 +102,7 @@ test('a clock that is not synchronized is an alarm, and the numbers may be used'
   const page = await open();
   await page.waitForSelector('#state[data-kind=measuring]');
   const now = new Date().toISOString();
-  const text = "the computer's clock is not synchronized: dates may be wrong";
+  const text = "the computer's clock is not synchronized: dates may be wrong, coefficients are not affected";
   await page.route('**/api/v1/alarms', (route) => route.fulfill({ json: { unacknowledged: 1, left_out: 0, alarms: [{ name: 'clock', text,
     state: 'unacknowledged', since: now, changed: now, count: 1, acknowledged_by: null, comment: null }] } }));
   await page.locator('#alarm-line[data-tone=alarm]', { hasText: `1 alarm not acknowledged: ${text}` }).waitFor();

@@ -63,6 +63,9 @@ test('while it settles: from the transient, marked as such, or the reason', () =
   const shown = coefficientsOf(after(settlingOf({ motion })));
   assert.equal(shown.source, 'transient');
   assert.match(shown.title, /^from the transient, 0\.6 to 3\.9 s: an estimate before the verdict$/);
+  assert.match(legendOf(shown), /\. Slanted: an estimate from the readings so far, not yet the result; /);
+  const later = coefficientsOf({ ...after(settlingOf({ motion })), nowMs: utcMs(settlingOf(), 12.9) });
+  assert.match(later.title, /^from the transient, 0\.6 to 3\.9 s, 9\.0 s ago: an estimate before the verdict$/);
   const none = coefficientsOf(after(dwellOf({ index: 2 }), settlingOf()));
   assert.equal(none.source, 'none');
   assert.equal(none.reason, 'settling: transient left in y1: up to 22 times the allowed size');

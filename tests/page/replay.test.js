@@ -24,6 +24,8 @@ test('a recording that is played is told as such, and its end is no alarm', asyn
   await page.waitForSelector('#state[data-kind=measuring]');
   const source = page.locator('#facts [data-tone=care]', { hasText: 'recording, not live' });
   await source.waitFor();
+  assert.match(await page.locator('#detail').innerText(), /^a recording, not live: [\d.]+ m?s of data/);
+  await page.locator('#trace-what', { hasText: 'in view, a recording as it is played: readings' }).waitFor();
   await page.waitForSelector('#state[data-kind=complete][data-tone=calm]');
   assert.equal(await page.locator('#word').innerText(), 'recording ended');
   await source.waitFor();
