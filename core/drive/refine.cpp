@@ -11,14 +11,22 @@
 namespace dwell {
 namespace {
 constexpr int kRefinements = 7;     // at most; with more the last bits of some dwells change
-constexpr double kFurthest = 5e-3;  // most turning at the ends of the data, rad; its error is the cube over six, 2e-8
+constexpr double kFurthest = 5e-3;  // most turning at the ends of the data, rad
+
+// The error of turned sums, as a part of Σs², is at most kFurthest³/6, 2e-8. That is the error of many periods. Of few
+// it is larger, for what u² has beside its mean does not average out: (δa)²/(3.5 ωa), a half the length of the data.
+bool can_turn(double delta, double mean_square_u, double omega) noexcept {
+  const double half_s = std::sqrt(3 * mean_square_u), most = kFurthest * kFurthest * kFurthest / 6;
+  return std::abs(delta) * half_s <= std::min(kFurthest, std::sqrt(3.5 * most * omega * half_s));
+}
+
 }  // namespace
 
 Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channel, Totals& out) noexcept {
   const std::int64_t t_ref_ns = pulses.nearest_ns(sums.centroid_ns(reference_channel));
   sums.turned(pulses.omega, t_ref_ns, out);
   const double mean_square = moments::mean_square_u(out.channel(reference_channel).instants, 2 * out.harmonics() + 1);
-  return {pulses.omega, pulses.u, std::abs(pulses.omega - sums.omega()) * std::sqrt(3 * mean_square) <= kFurthest};
+  return {pulses.omega, pulses.u, can_turn(pulses.omega - sums.omega(), mean_square, pulses.omega)};
 }
 
 double within_search(const Rig& rig, double omega) noexcept {
@@ -60,8 +68,7 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
     const double next = within_search(rig, result.omega + delta);
     if (next == result.omega) break;
     result.omega = next;
-    // √3 times the rms of the moments' u is half the length of the data.
-    if (std::abs(next - sums.omega()) * std::sqrt(3 * longest) > kFurthest) {
+    if (!can_turn(next - sums.omega(), longest, next)) {
       result.sums_valid = false;
       break;
     }

@@ -15,7 +15,7 @@
 namespace dwell {
 namespace {
 
-constexpr int kTurns = 3;                     // sums of the data, at most, each at a better ω
+constexpr int kTurns = 5;                     // sums of the data, at most, each at a better ω
 constexpr std::int64_t kEnoughQuarters = 40;  // from then on an eighth of the data may be dropped
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
 constexpr double kShortestDrift = 20.0;       // periods
@@ -23,6 +23,9 @@ constexpr double kDriftMatters = 0.02;        // rad per square of the data's le
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
 constexpr double kAcquired = 1e-2;  // largest relative standard uncertainty of ω
+
+// The instant about which sums of these data are turned to another ω at the least cost.
+std::int64_t middle_ns(std::int64_t begin_ns, std::int64_t end_ns) { return begin_ns + (end_ns - begin_ns) / 2; }
 
 }  // namespace
 
@@ -120,10 +123,9 @@ std::optional<CountedData::Table> CountedData::resum(std::int64_t hold_ns, bool 
   if (blocks_.count() == 0) return {};
   double u_omega = 0.0;
   for (int i = 0; i < kTurns; ++i) {
-    blocks_.sum(0, blocks_.count(), omega_, blocks_.block(0).begin_ns, counted_);
-    const Refined refined =
-        reference_.refine(counted_, blocks_.block(0).begin_ns, blocks_.block(blocks_.count() - 1).end_ns, hold_ns,
-                          channels_.drive(), totals_);
+    const std::int64_t begin_ns = blocks_.block(0).begin_ns, end_ns = blocks_.block(blocks_.count() - 1).end_ns;
+    blocks_.sum(0, blocks_.count(), omega_, middle_ns(begin_ns, end_ns), counted_);
+    const Refined refined = reference_.refine(counted_, begin_ns, end_ns, hold_ns, channels_.drive(), totals_);
     omega_ = refined.omega;
     u_omega = refined.u;
     if (refined.sums_valid) break;
@@ -223,7 +225,7 @@ Refined CountedData::gather(int from, int to, bool with_open, std::int64_t now_n
     if (i == 0 && from == 0 && to == blocks_.count() && sums_valid_)
       counted_.turned(counted_.omega(), counted_.t_ref_ns(), gathered_);
     else
-      blocks_.sum(from, to, refined.omega, begin_ns, gathered_);
+      blocks_.sum(from, to, refined.omega, middle_ns(begin_ns, end_ns), gathered_);
     if (with_open) blocks_.add_open(gathered_);
     refined = reference_.refine(gathered_, begin_ns, end_ns, hold_ns, channels_.drive(), totals_);
   }
