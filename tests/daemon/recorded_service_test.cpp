@@ -38,7 +38,7 @@ std::unique_ptr<Log> quiet_log() {
   return std::move(*Log::make(quiet));
 }
 
-// Played once for all tests: measured for six seconds, then the rig's plug is pulled.
+// Played once for all tests: measured for six seconds and until the model is verified, then the rig's plug is pulled.
 struct RecordedService : testing::Test {
   static void SetUpTestSuite() {
     auto rig = rigsim::Server::start(test::clamped_rig());
@@ -53,6 +53,8 @@ struct RecordedService : testing::Test {
     dwell([](const nlohmann::json& now) {
       return now["state"] == "measuring" && now["end_s"].get<double>() - now["settled_s"].get<double>() > 6.0;
     });
+    // On a slow machine the threads for long work take longer.
+    dwell([](const nlohmann::json&) { return holds("estimate") && holds("verification"); });
     rig->reset();
     dwell([](const nlohmann::json& now) { return now["state"] != "measuring"; });
     (*service)->stop();
@@ -71,6 +73,14 @@ struct RecordedService : testing::Test {
     auto reader = record::RunReader::open(first_file());
     EXPECT_TRUE(reader) << reader.error();
     return std::move(reader.value());
+  }
+
+  // Whether the run's file has an estimate or a verification by now.
+  static bool holds(const std::string& kind) {
+    bool found = false;
+    record::RunReader reader = read();
+    EXPECT_TRUE(reader.models([&](const record::StoredModel& model) { return !(found = model.kind == kind); }));
+    return found;
   }
 
   static record::Scratch& scratch() {
