@@ -16,6 +16,19 @@ inline constexpr bool kUnderSanitizer = false;
 inline constexpr bool kUnderSanitizer = false;
 #endif
 
+// True where the tests are built with ThreadSanitizer, which makes them some ten times slower.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr bool kUnderThreadSanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+inline constexpr bool kUnderThreadSanitizer = true;
+#else
+inline constexpr bool kUnderThreadSanitizer = false;
+#endif
+#else
+inline constexpr bool kUnderThreadSanitizer = false;
+#endif
+
 // How many draws of a population a test plays: `all`, or `few` under AddressSanitizer.
 constexpr int draws(int all, int few) { return kUnderSanitizer ? few : all; }
 

@@ -13,8 +13,9 @@ namespace {
 constexpr int kRefinements = 7;     // at most; with more the last bits of some dwells change
 constexpr double kFurthest = 5e-3;  // most turning at the ends of the data, rad
 
-// The error of turned sums, as a part of Σs², is at most kFurthest³/6, 2e-8. That is the error of many periods. Of few
-// it is larger, for what u² has beside its mean does not average out: (δa)²/(3.5 ωa), a half the length of the data.
+// Whether turning the sums by delta (rad/s) costs at most kFurthest³/6, 2e-8, of Σs². a: half the length of the data.
+// Over a hundred periods and more turning costs (δa)³/6. Over few it costs more, since u² is taken at its mean: in
+// exact sums of 1 … 100 periods about (δa)²/(5 ωa), and (δa)²/(3.5 ωa) at most (docs/method.md, Frequency).
 bool can_turn(double delta, double mean_square_u, double omega) noexcept {
   const double half_s = std::sqrt(3 * mean_square_u), most = kFurthest * kFurthest * kFurthest / 6;
   return std::abs(delta) * half_s <= std::min(kFurthest, std::sqrt(3.5 * most * omega * half_s));

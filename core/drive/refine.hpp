@@ -24,9 +24,9 @@ struct Refined {
 
 // Gauss-Newton on ω within the rig's search range. Each channel of motion or force is weighted by its own residuals. A
 // fixed reference is a prior (core/fit/frequency_prior.hpp). `sums`: the data, at an ω near the solution and about
-// the middle of the data. `out` gets
-// the sums at the refined ω about the centroid of `reference_channel`, where phase and frequency are uncorrelated.
-// Seven steps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
+// the middle of the data. `out` gets the sums at the refined ω about the centroid of `reference_channel`, where phase
+// and frequency are uncorrelated. Seven steps at most, each O(channels · H³), no allocation. Thread-safe if `out` is
+// the caller's own.
 [[nodiscard]] Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept;
 
 // The same if pulses give the frequency: nothing is fitted. `out` is about the instant of phase zero nearest to the

@@ -12,7 +12,8 @@
 //
 // Here φ is a shift of t_c as an angle, δ a change of ω, and u² is taken at its mean. So sums at slightly different ω
 // can be turned to one ω and added, and the fit's derivative by ω is exact. The relative error of turning is below
-// (kδu)²/6 for a quarter of a period, and below (kδu)³/6 for a hundred periods and more; between, refine.cpp has it.
+// (kδu)²/6 for a quarter of a period, and below (kδu)³/6 for a hundred periods and more; core/drive/refine.cpp says
+// what it is between.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The newest readings that a replay has come to, of which an entry of a run file names a stretch.
+// Keeps the newest readings of a replay. An entry of a run file names a stretch of them by its length.
 #pragma once
 
 #include <algorithm>

@@ -164,8 +164,7 @@ constexpr Register kHeader[] = {
 constexpr Register kElement[] = {
     {0, kWord, "status", "",
      "0 no such element, 1 valid, 2 doubtful: do not rely on it, 3 not settled, 4 not identifiable: its channels do "
-     "not "
-     "deliver, or do not determine it, 5 stale",
+     "not deliver, or do not determine it, 5 stale",
      status_code},
     {1, kWord, "element", "", "its number, 1 from the table on; 0: no such element",
      [](const Source& s) { return s.k > s.now.rig.element_count() ? 0.0 : double(s.k); }},

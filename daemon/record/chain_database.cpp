@@ -54,7 +54,7 @@ Result<void> make_chain_database(const std::string& path, ChainSort sort) {
   const std::string unfinished = path + ".new";
   std::error_code ignored;
   if (std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) return fails(path + ": exists already");
-  // A crash may have left files of an earlier try. SQLite would take their log for that of the new file.
+  // A crash during an earlier try leaves files. SQLite would read the old log into the new file.
   for (const std::string& old :
        {unfinished, unfinished + "-journal", unfinished + "-wal", path + "-wal", path + "-shm", path + "-journal"})
     std::filesystem::remove(old, ignored);

@@ -1,5 +1,5 @@
-// Whatever an answer holds, the reader of dwells answers: a dwell that can be written again, or why it is none.
-// The readers of what an estimate and a verification were computed from answer, too.
+// Any bytes give a dwell that can be written again, or an error that says why they are none. The same holds for the
+// text `from` of an estimate and of a verification.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

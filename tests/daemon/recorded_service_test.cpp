@@ -15,6 +15,7 @@
 #include "tests/daemon/service_rig.hpp"
 #include "tests/durations.hpp"
 #include "tests/record/scratch.hpp"
+#include "tests/under_sanitizer.hpp"
 
 namespace dwell {
 namespace {
@@ -129,14 +130,16 @@ TEST_F(RecordedService, ItsEstimatesAndVerificationsAreComputedAgainToTheBit) {
   EXPECT_EQ(std::system((DWELLCTL " replay --models --json " + first_file() + " >" + said).c_str()), 0);
   const nlohmann::json found = nlohmann::json::parse(record::Scratch::read(said), nullptr, false);
   EXPECT_EQ(found["identical"], true) << found["differences"];
-  // All that the file has. On a slow machine, or with a sanitizer, the dwell may end before any of them is done.
   int estimates = 0, verifications = 0;
   ASSERT_TRUE(read().models([&](const record::StoredModel& model) {
     return ++(model.kind == "estimate" ? estimates : verifications), true;
   }));
   EXPECT_EQ(found["compared"]["estimates"], estimates);
   EXPECT_EQ(found["compared"]["verifications"], verifications);
-  if (estimates + verifications == 0) GTEST_SKIP() << "the run ended before an estimate or a verification was done";
+  // ThreadSanitizer looks at the threads above; it slows them so that the run may end before the first of them is done.
+  if (kUnderThreadSanitizer) return;
+  EXPECT_GT(estimates, 0);
+  EXPECT_GT(verifications, 0);
 }
 
 TEST_F(RecordedService, ItsResultsOfADwellThatGoesOnAreAsFarApartAsTheRigFileAsks) {

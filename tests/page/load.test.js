@@ -10,7 +10,8 @@ import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
 
 const UPDATE_S = 0.05; // between estimates, and between two events of traces
 const MEASURED_S = 5; // of the stream: a stream that stands still never gets there
-const LEAST = { traces: 0.75, dwells: 0.75, pictures: 0.5 }; // parts of what the machine allows
+// The least rate of each, over the rate of the timer. The browser may draw two events in one picture.
+const LEAST = { traces: 0.75, dwells: 0.75, pictures: 0.5 };
 const BUDGET = 0.25; // of the renderer's time, s per second
 const LOOSE = 3; // a busy machine takes somewhat more of the thread's own time: its caches are shared
 const HEAP_MINUTES = Number(process.env.DWELL_HEAP_MINUTES ?? 0);
@@ -88,8 +89,7 @@ test('the renderer draws eight traces and all coefficients, 20 times a second', 
   await page.waitForFunction((to_s) => window.count.to_s >= to_s, before.to_s + MEASURED_S, { polling: 500 }); // at each picture it would be a load of its own
   const [to, now, seconds] = [await metrics(), await counted(), (performance.now() - began) / 1e3];
   clearInterval(timer);
-  const most = 1 / UPDATE_S;
-  const timer_hz = Math.min(most, ticks / seconds);
+  const timer_hz = Math.min(1 / UPDATE_S, ticks / seconds);
   const share = (name) => ((to[name] - from[name]) / seconds).toFixed(3);
   const rate = (what) => (now[what] - before[what]) / (now.to_s - before.to_s);
   console.log(`renderer with 8 traces at 20 Hz: tasks ${share('TaskDuration')}, of these scripts ${share('ScriptDuration')}, layout ${
