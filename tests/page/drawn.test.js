@@ -61,9 +61,11 @@ test('the chain rests where less motion is asked for, and can be moved and halte
   await page.waitForSelector('#chain:not([hidden])');
   const button = page.locator('#shape-pause');
   const place = () => page.locator('#shape-masses').innerHTML();
-  // Of each frame's picture of the masses, how many differ from the first.
-  const moves = () => page.evaluate(async () => {
+  // Presses the button after so many pictures, if so asked. Of the pictures of the masses from then on, how many differ from the first.
+  const moves = (pressAfter) => page.evaluate(async (pressAfter) => {
     const html = () => document.querySelector('#shape-masses').innerHTML;
+    for (let i = 0; i < pressAfter; ++i) await new Promise((drawn) => requestAnimationFrame(drawn));
+    if (pressAfter !== null) document.querySelector('#shape-pause').click();
     const first = html();
     let others = 0;
     for (let i = 0; i < 30; ++i) {
@@ -71,15 +73,16 @@ test('the chain rests where less motion is asked for, and can be moved and halte
       others += html() !== first;
     }
     return others;
-  });
+  }, pressAfter);
   assert.equal(await button.innerText(), 'Move');
-  assert.equal(await moves(), 0);
-  const before = await place();
-  await button.click();
-  assert.equal(await button.innerText(), 'Halt');
-  await page.waitForFunction((was) => document.querySelector('#shape-masses').innerHTML !== was, before);
-  await button.click();
-  assert.equal(await button.innerText(), 'Move');
-  assert.equal(await moves(), 0);
+  assert.equal(await moves(null), 0);
+  for (let pressAfter = 0; pressAfter < 10; ++pressAfter) { // between two places of the masses, and just when the next is due
+    const before = await place();
+    await button.click();
+    assert.equal(await button.innerText(), 'Halt');
+    await page.waitForFunction((was) => document.querySelector('#shape-masses').innerHTML !== was, before);
+    assert.equal(await moves(pressAfter), 0);
+    assert.equal(await button.innerText(), 'Move');
+  }
   await shown.close();
 });
