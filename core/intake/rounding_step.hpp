@@ -2,12 +2,15 @@
 //
 // Euclid's algorithm, one step per difference, reaches it within some twenty differences. kSure multiples in a row end
 // a batch. One reading off the grid spoils only its batch: the batches vote, and the step changes only if more of them
-// contradict it than agree.
+// contradict it than agree. Where the readings were rounded once more (PrintedGrid), the differences are multiples of
+// the second, far finer step; the first, which matters, is then the other's.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+
+#include "core/intake/printed_grid.hpp"
 
 namespace dwell {
 
@@ -18,6 +21,7 @@ class RoundingStep {
   void add(double difference) noexcept {
     difference = std::abs(difference);
     if (!(difference > 0) || !std::isfinite(difference)) return;
+    printed_.add(difference);
     const double before = batch_;
     batch_ = common(batch_, difference);
     in_row_ = (in_row_ + 1) * static_cast<int>(batch_ == before);
@@ -28,7 +32,10 @@ class RoundingStep {
   }
 
   // INFINITY: no two readings have differed; 0: there is no step.
-  [[nodiscard]] double step() const noexcept { return std::isfinite(step_) ? step_ : batch_; }
+  [[nodiscard]] double step() const noexcept {
+    const double exact = std::isfinite(step_) ? step_ : batch_;
+    return printed_.step() > kCoarser * exact ? printed_.step() : exact;
+  }
 
  private:
   // kOnGrid: deviation from a multiple, in steps. A grid finer than the differences by kNoGrid is none: Euclid's
@@ -38,6 +45,7 @@ class RoundingStep {
   // 10^13. With twice as many, one reading in 30 off the grid would spoil every batch.
   static constexpr int kSure = 8;
   static constexpr double kMultiple = 8.0;  // steps: a batch with a larger divisor contradicts the step
+  static constexpr double kCoarser = 1.5;   // the same step, found both ways, is the exact one
   static constexpr int kMemory = 16;        // batches that vote: a device set to another range is followed
 
   static double common(double step, double difference) noexcept {
@@ -69,6 +77,7 @@ class RoundingStep {
     }
   }
 
+  PrintedGrid printed_;
   double step_ = INFINITY, batch_ = INFINITY;
   int in_row_ = 0, for_ = 0, against_ = 0;
 };

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <random>
@@ -340,6 +342,30 @@ TEST_F(DisturbedReadings, AChannelFirstHeardDuringAHoldHasARoundingStep) {
     // Steps of 0.3 % of the amplitudes, averaged over 3500 readings.
     EXPECT_LT(dwell.elements[e].stiffness.u, 1e-2 * chain.stiffness[e]) << all(dwell);
   }
+}
+
+// As the test before last, but the readings go through text: a step of a 1/4096 of the range and six digits.
+TEST_F(DisturbedReadings, ReadingsRoundedOnceMoreWhenPrintedKeepTheirRoundingInTheBudget) {
+  const auto with_u = [&](const char* format) {
+    return measured(
+        [&](Record& record, double) {
+          const double step = record.channel == kCell ? 0.2442 : 2.442e-5;
+          record.value = step * std::round(record.value / step);
+          char text[40];
+          std::snprintf(text, sizeof text, format, record.value);
+          record.value = std::strtod(text, nullptr);
+        },
+        30, 0.0);
+  };
+  const Dwell as_it_is = with_u("%.17g"), as_text = with_u("%.6g");
+  ASSERT_EQ(as_it_is.elements.size(), 3u) << all(as_it_is);
+  ASSERT_EQ(as_text.elements.size(), 3u) << all(as_text);
+  for (std::size_t e = 0; e < 3; ++e) {
+    ASSERT_TRUE(as_text.elements[e].identifiable) << all(as_text);
+    EXPECT_NEAR(as_text.elements[e].stiffness.u / as_it_is.elements[e].stiffness.u, 1, 0.02);
+    EXPECT_NEAR(as_text.elements[e].damping.u / as_it_is.elements[e].damping.u, 1, 0.02);
+  }
+  expect_no_wrong_number(as_text, "as text");
 }
 
 // Swapped words, a byte read from elsewhere: any number at all.
