@@ -43,7 +43,7 @@ test('it shows rig, channels, traces, phasors, coefficients with their budget, e
   assert.match(audited.files[0].head, /^[0-9a-f]{64}$/);
   assert.ok(text.includes(audited.files[0].head), 'the head that the audit verifies');
   // A value with its uncertainty, and a source of it.
-  assert.match(text, /\d ± *\d.*N\/m/);
+  assert.match(text, /\d ±\s*\d.*N\/m/); // kept together by a space that does not break
   assert.match(text, /\d+ % (noise|mass|clock|scale)/);
   const pictures = await page.locator('svg').all();
   assert.ok(pictures.length >= 2, 'time traces and phasors');
