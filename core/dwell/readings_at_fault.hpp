@@ -1,4 +1,5 @@
-// The channels whose readings are so faulty that a dwell withholds them.
+// The channels whose readings are faulty as they come: the method of any motion, which takes them so, must not trust
+// them.
 #pragma once
 
 #include <vector>
@@ -10,10 +11,10 @@
 
 namespace dwell {
 
-// Channels that the dwell withholds because their readings are clipped, stuck, foreign or out of range, ascending. Held
-// channels are not among them, since the method of any motion models them; nor are auxiliary ones. pipeline: as it
-// stands with this dwell; its channel() and condition_reason() are asked, nothing else. Allocates only if there are
-// any; the pipeline's thread.
+// Channels that the dwell withholds because their readings are clipped, stuck or out of range, and those of which it
+// uses what the intake has made of the readings: held ones, whose new values get other instants, and ones with foreign
+// readings, which are left out. Ascending, without auxiliary channels. pipeline: as it stands with this dwell; its
+// channel() and condition_reason() are asked, nothing else. Allocates only if there are any; the pipeline's thread.
 [[nodiscard]] std::vector<ChannelFault> readings_at_fault(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell);
 
 }  // namespace dwell

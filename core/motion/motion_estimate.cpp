@@ -351,9 +351,10 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
   out.unchecked = std::move(found.unchecked);
 }
 
-// Takes the place of name_missing() where readings are at fault. A dwell withholds such a channel, but the estimate of
-// any motion uses it, so its reason or a warning says so. The residuals of such readings are no evidence against the
-// chain. So `contradicted` is cleared, and the dwell's own numbers are not doubted.
+// Takes the place of name_missing() where readings are at fault. A dwell withholds such a channel, or leaves out what
+// is foreign in it, but the estimate of any motion uses it as it comes, so its reason or a warning says so. The
+// residuals of such readings are no evidence against the chain. So `contradicted` is cleared, and the dwell's own
+// numbers are not doubted.
 void blame_readings(const std::vector<ChannelFault>& at_fault, MotionEstimate& out) {
   out.contradicted = false;
   std::string text;

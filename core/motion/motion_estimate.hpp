@@ -24,9 +24,8 @@ struct MotionOptions {
   // Whether that search may fit the chain anew where the readings contradict it, which takes ten times as long. false:
   // it is put off, and reason or warnings say so.
   bool anew = true;
-  // Channels whose readings are at fault. If there are any, the search
-  // for what the rig file lacks is skipped, whatever `missing` says, and the estimate says so. The search would explain
-  // faulty readings by terms of the rig, and takes ten times as long as the estimate.
+  // Channels whose readings are at fault. If there are any, the search for what the rig file lacks is skipped, and the
+  // estimate says so. The search would explain faulty readings by terms of the rig, and takes ten times as long.
   std::vector<ChannelFault> at_fault{};
   std::stop_token stop{};
 };

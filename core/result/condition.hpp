@@ -17,7 +17,7 @@ enum class Condition : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(Condition condition) noexcept;  // "ok", "stuck", …
 
-// A channel that is withheld because its readings are at fault.
+// A channel whose readings are at fault.
 struct ChannelFault {
   int channel = 0;   // index into Rig::channels
   std::string what;  // "reaction: clipped: …"

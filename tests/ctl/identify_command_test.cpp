@@ -213,6 +213,31 @@ TEST(CommandLine, IdentifyBlamesClippedReadingsAndLooksForNothingElse) {
   }
 }
 
+// The dwell leaves the repeats out. The method of any motion takes them in, and to it they look like a delay.
+TEST(CommandLine, RepeatedReadingsGiveAnyMotionNoReasonToDoubtTheDwell) {
+  const test::TemporaryFolder folder;
+  std::string repeated, t_s, last;
+  std::istringstream lines(start_up(0.0));
+  for (int i = 0; std::getline(lines, t_s, ','); ++i) {
+    std::string y0, reaction;
+    std::getline(lines, y0, ',');
+    std::getline(lines, reaction);
+    if (i > 1 && std::fmod(0.618034 * i * i, 1.0) < 0.05) y0 = last;
+    last = y0;
+    repeated += t_s + "," + y0 + "," + reaction + "\n";
+  }
+  const std::string data = folder.file("repeated.csv", repeated), rig = folder.file("rig.toml", kRig);
+  const Outcome harmonic = run({"identify", "--rig", rig, data, "--method", "harmonic"});
+  EXPECT_EQ(harmonic.code, 0) << harmonic.out << harmonic.err;
+  const Outcome both = run({"identify", "--rig", rig, data});
+  EXPECT_EQ(both.code, 0) << both.out << both.err;
+  EXPECT_NE(
+      both.out.find("the readings themselves are at fault, so nothing that the rig file lacks is looked for: y0: "),
+      std::string::npos)
+      << both.out;
+  EXPECT_EQ(both.out.find("a delay of "), std::string::npos) << both.out;
+}
+
 TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {
   const test::TemporaryFolder folder;
   const std::string data = folder.file("d.csv", recording(0.5, "t,y0,reaction"));
