@@ -98,7 +98,9 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
     result.Z.push_back(Z);
   }
   refuse_negative(rig, channels_used(gain, states), result.elements, result.doubts);
-  result.warnings = judge_linearity(rig, gain, evidence, frequency, result.elements);
+  Linearity linearity = judge_linearity(rig, gain, evidence, frequency, result.elements);
+  result.warnings = std::move(linearity.warnings);
+  for (Doubt& doubt : linearity.doubts) result.doubts.push_back(std::move(doubt));
   std::vector<Index> rows;
   for (Index e = 0; e < elements; ++e)
     if (result.elements[static_cast<std::size_t>(e)].identifiable) rows.insert(rows.end(), {2 * e, 2 * e + 1});

@@ -112,10 +112,10 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
           std::move(by_channel)};
 }
 
-// Names the channels whose distortion alone would explain the third harmonics of all elements; without text: none.
-Warning distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
-  Warning warning{WarningKind::nonlinear, {}, told, {}};
-  std::string& text = warning.what;
+// The channels whose distortion alone would explain the third harmonics of all elements, in words; empty: there is
+// none.
+std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
+  std::string text;
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
     const auto i = static_cast<Index>(c);
     double overlap = 0.0, power = 0.0;
@@ -130,13 +130,12 @@ Warning distorting(const Rig& rig, const std::vector<Excess>& thirds, const std:
              std::max(third.sure, kSameDistortion * std::abs(third.force));
     });
     if (!explains) continue;
-    warning.channels.push_back(rig.channels[c].name);
     text += (text.empty() ? "if " : ", or if ") + rig.channels[c].name + " distorts, a harmonic 3 of " +
             percent(std::abs(part)) + " in phase with its reading explains " + elements_text(told) +
             "; its reading is then " + percent(3 * std::abs(part)) + (part > 0 ? " too small" : " too large");
   }
   if (!text.empty()) text += ": check its range and its amplifier";
-  return warning;
+  return text;
 }
 
 // Parts of c and r that come from the nonlinearity seen in harmonic 3.
@@ -186,14 +185,14 @@ std::string words_of(const Rig& rig, const ElementEstimate& element, const Exces
 
 }  // namespace
 
-std::vector<Warning> judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
-                                     const Frequency& frequency, const std::vector<ElementEstimate>& elements) {
+Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                          const Frequency& frequency, const std::vector<ElementEstimate>& elements) {
   std::vector<Harmonic> harmonics;
   for (int h = 1; h <= rig.excitation.harmonics; ++h)
     harmonics.push_back(harmonic_of(rig, gain, evidence, frequency.omega, h));
-  std::vector<Warning> warnings;
+  Linearity out;
   const auto warn = [&](std::string what, int k) {
-    warnings.push_back({WarningKind::nonlinear, std::move(what), {k}, {}});
+    out.warnings.push_back({WarningKind::nonlinear, std::move(what), {k}, {}});
   };
   std::vector<Excess> thirds;  // of all elements
   std::vector<int> told;
@@ -226,9 +225,9 @@ std::vector<Warning> judge_linearity(const Rig& rig, const Gain& gain, const std
   }
   // With one element, its own nonlinearity and a channel's distortion cannot be told apart.
   if (told.size() > 1)
-    if (Warning channels = distorting(rig, thirds, told); !channels.what.empty())
-      warnings.push_back(std::move(channels));
-  return warnings;
+    if (std::string channels = distorting(rig, thirds, told); !channels.empty())
+      out.doubts.push_back({told, std::move(channels)});
+  return out;
 }
 
 }  // namespace dwell

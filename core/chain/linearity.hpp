@@ -9,7 +9,9 @@
 //   quadratic damping r₂v|v| e_3 = +j 8r₂ω²a²/(15π)  imaginary, contributes + 5 |e_3|/(ωa) to r
 //
 // A transducer that distorts, y - βy³, adds a third harmonic ρ|X_1| in the phase of its reading, real ρ = βa²/4, and
-// loses 3ρ of its fundamental. If one such ρ explains the residuals of several elements, that channel is named.
+// loses 3ρ of its fundamental. If one such ρ explains the residuals of several elements, that channel is named. One
+// cause is likelier than several nonlinear elements that look like one, so the coefficients of these elements are then
+// doubted: they are not equivalent ones, they are wrong.
 //
 // A warning needs a residual above five standard deviations and a contribution above the coefficient's U95. c and r are
 // then equivalent coefficients, valid at this amplitude alone. A harmonic above a tenth of the force warns too.
@@ -24,10 +26,14 @@
 
 namespace dwell {
 
-// At most one warning per identifiable element, and one for the channels. elements: estimated from the same evidence.
-// The kinds above need Excitation::harmonics >= 3. Allocates; O(harmonics · elements · (elements + channels)).
-[[nodiscard]] std::vector<Warning> judge_linearity(const Rig& rig, const Gain& gain,
-                                                   const std::vector<Evidence>& evidence, const Frequency& frequency,
-                                                   const std::vector<ElementEstimate>& elements);
+struct Linearity {
+  std::vector<Warning> warnings;  // at most one per identifiable element
+  std::vector<Doubt> doubts;      // at most one: channels that may distort
+};
+
+// elements: estimated from the same evidence. The kinds above need Excitation::harmonics >= 3. Allocates;
+// O(harmonics · elements · (elements + channels)).
+[[nodiscard]] Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                                        const Frequency& frequency, const std::vector<ElementEstimate>& elements);
 
 }  // namespace dwell
