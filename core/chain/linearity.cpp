@@ -27,6 +27,10 @@ constexpr double kFarFromLinear = 0.1;
 // named. As it is, no single element with friction or hardening blames a channel in the tests.
 constexpr double kSameDistortion = 0.4;
 
+// A law whose factor is g larger for one sign than for the other, or a transducer with such a gain, adds harmonic 2 of
+// 2g/(3π) of the fundamental, and g/2 of the fundamental itself: this times as much.
+constexpr double kOneSided = 0.75 * std::numbers::pi;
+
 // The chain at harmonic h, and what each channel observes there.
 struct Harmonic {
   int h;
@@ -59,8 +63,9 @@ double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double
 struct Excess {
   Complex force;  // e_h, relative to the phase of the deformation
   double sure;    // limit per component: more than this is not noise
-  // Change of `force` by the distortion y - βy³ of each channel, per ρ = βa²/4: by the third harmonic that it adds in
-  // phase with the fundamental, and by the error of c and r, since the fundamental loses 3ρ.
+  // Change of `force` by a distortion of each channel, per ρ: by the harmonic that it adds in phase with the
+  // fundamental, ρ of it. Of harmonic 3, y - βy³ with ρ = βa²/4, also by the error of c and r, since the fundamental
+  // loses 3ρ. What goes with harmonic 2 is not known.
   VectorXcd by_channel;
 };
 
@@ -95,8 +100,9 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
     const Complex part = row.cwiseProduct(gain.gain.col(c)).sum();
     // The scatter of the fundamental (of.widened) does not apply to this harmonic.
     const double noise = 0.5 * (of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
-    const Complex lost = lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation);
-    by_channel(c) = -lost * std::polar(1.0, -at.h * phase_rad);
+    if (at.h == 3)
+      by_channel(c) -= lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation) *
+                       std::polar(1.0, -at.h * phase_rad);
     by_channel(c) += part * per_reading * std::abs(of.X[0]) * std::polar(1.0, at.h * (std::arg(of.X[0]) - phase_rad));
     variance += std::norm(part * per_reading) * noise;
     variance += std::norm(part * at.seen(c)) * stated_variance(rig, i, of, omega);
@@ -112,36 +118,46 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
           std::move(by_channel)};
 }
 
-// The channels whose distortion alone would explain the third harmonics of all elements, in words; empty: there is
-// none.
-std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
-  std::string text;
+// Channels whose distortion alone explains a harmonic of all elements.
+struct Distortion {
+  std::vector<std::string> channels;
+  std::string text;  // empty: there are none
+};
+
+// told: the elements that show harmonic h.
+Distortion distorting(const Rig& rig, int h, const std::vector<Excess>& excesses, const std::vector<int>& told) {
+  Distortion out;
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
     const auto i = static_cast<Index>(c);
     double overlap = 0.0, power = 0.0;
-    for (const Excess& third : thirds) {
-      overlap += (std::conj(third.by_channel(i)) * third.force).real() / (third.sure * third.sure);
-      power += std::norm(third.by_channel(i)) / (third.sure * third.sure);
+    for (const Excess& excess : excesses) {
+      overlap += (std::conj(excess.by_channel(i)) * excess.force).real() / (excess.sure * excess.sure);
+      power += std::norm(excess.by_channel(i)) / (excess.sure * excess.sure);
     }
     if (!(power > 0)) continue;
     const double part = overlap / power;
-    const bool explains = std::all_of(thirds.begin(), thirds.end(), [&](const Excess& third) {
-      return std::abs(third.force - part * third.by_channel(i)) <
-             std::max(third.sure, kSameDistortion * std::abs(third.force));
+    const bool explains = std::all_of(excesses.begin(), excesses.end(), [&](const Excess& excess) {
+      return std::abs(excess.force - part * excess.by_channel(i)) <
+             std::max(excess.sure, kSameDistortion * std::abs(excess.force));
     });
     if (!explains) continue;
-    text += (text.empty() ? "if " : ", or if ") + rig.channels[c].name + " distorts, a harmonic 3 of " +
-            percent(std::abs(part)) + " in phase with its reading explains " + elements_text(told) +
-            "; its reading is then " + percent(3 * std::abs(part)) + (part > 0 ? " too small" : " too large");
+    out.channels.push_back(rig.channels[c].name);
+    out.text += (out.text.empty() ? "if " : ", or if ") + rig.channels[c].name + " distorts, a harmonic " +
+                std::to_string(h) + " of " + percent(std::abs(part)) + " in phase with its reading explains " +
+                elements_text(told) + "; its reading " +
+                (h == 3 ? "is then " + percent(3 * std::abs(part)) + (part > 0 ? " too small" : " too large")
+                        : "may then be wrong by " + percent(kOneSided * std::abs(part)) +
+                              ", as with a gain that differs between the halves of the motion");
   }
-  if (!text.empty()) text += ": check its range and its amplifier";
-  return text;
+  if (!out.text.empty()) out.text += ": check its range and its amplifier";
+  return out;
 }
 
-// Parts of c and r that come from the nonlinearity seen in harmonic 3.
+// Parts of c and r that come from the nonlinearity seen in a harmonic.
 struct Parts {
   double in_c = 0.0, in_r = 0.0;                      // N/m, N·s/m
   bool significant_c = false, significant_r = false;  // the part is significant and exceeds the coefficient's U95
+  [[nodiscard]] bool significant() const { return significant_c || significant_r; }
 };
 
 Parts explained_by(const Excess& third, const ElementEstimate& element, double omega) {
@@ -154,22 +170,50 @@ Parts explained_by(const Excess& third, const ElementEstimate& element, double o
   return parts;
 }
 
+// By harmonic 2, if the law differs between the signs. Spring and damper look alike there.
+Parts one_sided(const Excess& second, const ElementEstimate& element, double omega) {
+  const double a = element.deformation.value, size = std::abs(second.force);
+  Parts parts;
+  parts.in_c = kOneSided * size / a;
+  parts.in_r = parts.in_c / omega;
+  parts.significant_c = size > second.sure && parts.in_c > element.stiffness.U95;
+  parts.significant_r = size > second.sure && parts.in_r > element.damping.U95;
+  return parts;
+}
+
+std::string equivalent_words(const Rig& rig, const ElementEstimate& element, const Parts& parts, bool is_far) {
+  return "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ") +
+         (parts.significant_c && parts.significant_r
+              ? "its c and r are equivalent stiffness and equivalent damping at this amplitude"
+          : parts.significant_c ? "its c is an equivalent stiffness at this amplitude"
+                                : "its r is an equivalent damping at this amplitude") +
+         " (" + brief(element.deformation.value) + (rig.motion == Motion::rotation ? " rad" : " m") +
+         "). c and r do not explain harmonic ";
+}
+
+std::string words_of_second(const Rig& rig, const ElementEstimate& element, const Excess& second, const Parts& parts,
+                            bool is_far) {
+  const double U = second.sure * kNormal95 / sigmas::kSure;
+  return equivalent_words(rig, element, parts, is_far) +
+         "2 of its force: " + plus_minus(std::abs(second.force), U, rig.motion == Motion::rotation ? "N·m" : "N") +
+         ". A spring that is stiffer one way than the other would explain it, and " +
+         brief(100 * parts.in_c / std::abs(element.stiffness.value), 2) + " % of c; or such a damper, and " +
+         brief(100 * parts.in_r / std::abs(element.damping.value), 2) +
+         " % of r. Measure at other amplitudes; a transducer that distorts gives the same picture";
+}
+
 std::string words_of(const Rig& rig, const ElementEstimate& element, const Excess& third, const Parts& parts,
                      double omega, bool is_far) {
   const bool turns = rig.motion == Motion::rotation;
   const std::string newton = turns ? "N·m" : "N";
   const double a = element.deformation.value, U = third.sure * kNormal95 / sigmas::kSure;
   const double elastic = third.force.real(), dissipative = third.force.imag();
-  std::string text = "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ");
-  text += parts.significant_c && parts.significant_r
-              ? "its c and r are equivalent stiffness and equivalent damping at this amplitude"
-          : parts.significant_c ? "its c is an equivalent stiffness at this amplitude"
-                                : "its r is an equivalent damping at this amplitude";
-  text += " (" + brief(a) + (turns ? " rad" : " m") +
-          "). c and r do not explain harmonic 3 of its force: " + plus_minus(std::abs(dissipative), U, newton) +
-          " in phase with the velocity (damping force " + brief(omega * element.damping.value * a) + " " + newton +
-          "), " + plus_minus(std::abs(elastic), U, newton) + " in phase with the deformation (spring force " +
-          brief(element.stiffness.value * a) + " " + newton + "). ";
+  std::string text = equivalent_words(rig, element, parts, is_far) +
+                     "3 of its force: " + plus_minus(std::abs(dissipative), U, newton) +
+                     " in phase with the velocity (damping force " + brief(omega * element.damping.value * a) + " " +
+                     newton + "), " + plus_minus(std::abs(elastic), U, newton) +
+                     " in phase with the deformation (spring force " + brief(element.stiffness.value * a) + " " +
+                     newton + "). ";
   if (std::abs(dissipative) < std::abs(elastic))
     text += std::string("A spring that ") + (elastic < 0 ? "hardens" : "softens") +
             " with the cube of the deformation would explain it, and " +
@@ -194,8 +238,8 @@ Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Ev
   const auto warn = [&](std::string what, int k) {
     out.warnings.push_back({WarningKind::nonlinear, std::move(what), {k}, {}});
   };
-  std::vector<Excess> thirds;  // of all elements
-  std::vector<int> told;
+  std::vector<Excess> seconds, thirds;  // of all elements
+  std::vector<int> with_second, with_third;
   for (const ElementEstimate& element : elements) {
     if (!element.identifiable) continue;
     const ChainState& chain = harmonics.front().chain;
@@ -204,19 +248,24 @@ Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Ev
     const double force = std::hypot(element.stiffness.value, omega * element.damping.value) * std::abs(d);
     double worst = kFarFromLinear;
     int worst_h = 0;
-    Excess third{{}, INFINITY, {}};
+    Excess second{{}, INFINITY, {}}, third{{}, INFINITY, {}};
     for (std::size_t i = 1; i < harmonics.size(); ++i) {
       const Excess excess =
           excess_of(rig, gain, evidence, frequency, harmonics.front(), harmonics[i], element, std::arg(d));
+      if (harmonics[i].h == 2) second = excess;
       if (harmonics[i].h == 3) third = excess;
       const double size = std::abs(excess.force);
       if (size > excess.sure && size > worst * force) worst = size / force, worst_h = harmonics[i].h;
     }
-    const Parts parts = explained_by(third, element, omega);
+    if (std::isfinite(second.sure)) seconds.push_back(second);
     if (std::isfinite(third.sure)) thirds.push_back(third);
-    if (parts.significant_c || parts.significant_r) told.push_back(element.k);
-    if (parts.significant_c || parts.significant_r)
-      warn(words_of(rig, element, third, parts, omega, worst_h == 3), element.k);
+    const Parts by_second = one_sided(second, element, omega), by_third = explained_by(third, element, omega);
+    if (by_second.significant()) with_second.push_back(element.k);
+    if (by_third.significant()) with_third.push_back(element.k);
+    if (by_third.significant())
+      warn(words_of(rig, element, third, by_third, omega, worst_h == 3), element.k);
+    else if (by_second.significant())
+      warn(words_of_second(rig, element, second, by_second, worst_h == 2), element.k);
     else if (worst_h > 0)
       warn("element " + std::to_string(element.k) + " is far from linear: harmonic " + std::to_string(worst_h) +
                " of its force that c and r do not explain is " + brief(100 * worst, 2) +
@@ -224,9 +273,12 @@ Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Ev
            element.k);
   }
   // With one element, its own nonlinearity and a channel's distortion cannot be told apart.
-  if (told.size() > 1)
-    if (std::string channels = distorting(rig, thirds, told); !channels.empty())
-      out.doubts.push_back({told, std::move(channels)});
+  if (with_third.size() > 1)
+    if (Distortion by = distorting(rig, 3, thirds, with_third); !by.text.empty())
+      out.doubts.push_back({with_third, std::move(by.text)});
+  if (with_second.size() > 1)
+    if (Distortion by = distorting(rig, 2, seconds, with_second); !by.text.empty())
+      out.warnings.push_back({WarningKind::nonlinear, std::move(by.text), with_second, std::move(by.channels)});
   return out;
 }
 

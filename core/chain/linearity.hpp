@@ -8,6 +8,9 @@
 //   Coulomb friction F_c     e_3 = -j 4F_c/(3π)      imaginary, contributes + 3 |e_3|/(ωa) to r
 //   quadratic damping r₂v|v| e_3 = +j 8r₂ω²a²/(15π)  imaginary, contributes + 5 |e_3|/(ωa) to r
 //
+// A law that differs between the signs, by the part g, has e_2 = 2g/(3π) of its force, real for spring and damper
+// alike, and contributes g/2, 3π/4 of e_2, to the coefficient. (With d² there is e_2 and no contribution.)
+//
 // A transducer that distorts, y - βy³, adds a third harmonic ρ|X_1| in the phase of its reading, real ρ = βa²/4, and
 // loses 3ρ of its fundamental. If one such ρ explains the residuals of several elements, that channel is named. One
 // cause is likelier than several nonlinear elements that look like one, so the coefficients of these elements are then
@@ -27,7 +30,7 @@
 namespace dwell {
 
 struct Linearity {
-  std::vector<Warning> warnings;  // at most one per identifiable element
+  std::vector<Warning> warnings;  // at most one per identifiable element, and one for channels that add harmonic 2
   std::vector<Doubt> doubts;      // at most one: channels that may distort
 };
 

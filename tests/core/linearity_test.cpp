@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -27,6 +28,10 @@ Beside cubic(double c3) {
 }
 Beside quadratic(double r2) {
   return [=](double, double rate) { return r2 * rate * std::abs(rate); };
+}
+// A spring that is stiffer by this where the deformation is positive.
+Beside one_way(double more) {
+  return [=](double d, double) { return d > 0 ? more * d : 0.0; };
 }
 Beside nothing() {
   return [](double, double) { return 0.0; };
@@ -218,6 +223,43 @@ TEST(Linearity, AnElementThatIsNotLinearBlamesNoTransducer) {
       set_noise(evidence, 1e-5);
       const ElementsResult result = estimate(rig, evidence);
       EXPECT_EQ(doubts_of(result), "");
+    }
+}
+
+TEST(Linearity, ASpringThatIsStifferOneWayIsToldWithItsPartOfC) {
+  const Rig rig = rig_of(clamped_chain(), 4);
+  const Chain chain = clamped_chain();
+  for (int k = 1; k <= 3; ++k) {
+    const double stiffness = chain.stiffness[static_cast<std::size_t>(k - 1)];
+    std::vector<Evidence> evidence = simulated(chain, k, one_way(0.02 * stiffness));
+    set_noise(evidence, 1e-5);
+    const ElementsResult result = estimate(rig, evidence);
+    ASSERT_EQ(result.warnings.size(), 1U) << all(result.warnings);
+    EXPECT_EQ(result.warnings[0].elements, std::vector<int>{k});
+    EXPECT_TRUE(says(result, "harmonic 2 of its force")) << all(result.warnings);
+    EXPECT_TRUE(says(result, "A spring that is stiffer one way than the other would explain it, and 0.99 % of c"))
+        << all(result.warnings);
+    EXPECT_EQ(doubts_of(result), "");
+  }
+}
+
+// Whether the fundamental errs with it is not known: a transducer with some y² adds the same and loses nothing.
+TEST(Linearity, ATransducerWhoseGainDiffersBetweenTheHalvesIsNamed) {
+  const Rig rig = rig_of(clamped_chain(), 4);
+  for (const std::size_t c : {1U, 2U, 3U})
+    for (const double more : {0.003, 0.03, -0.03}) {
+      std::vector<Evidence> evidence = simulated(clamped_chain(), 1, nothing(), 0.02);
+      const Complex X = evidence[c].X[0];
+      evidence[c].X[1] += 2 * more / (3 * M_PI) * std::abs(X) * std::polar(1.0, 2 * std::arg(X));
+      evidence[c].X[0] *= 1 + more / 2;
+      set_noise(evidence, 1e-5);
+      const ElementsResult result = estimate(rig, evidence);
+      ASSERT_FALSE(result.warnings.empty());
+      const Warning& last = result.warnings.back();
+      EXPECT_NE(std::find(last.channels.begin(), last.channels.end(), rig.channels[c].name), last.channels.end())
+          << all(result.warnings);
+      const std::string by = std::abs(more) > 0.01 ? "may then be wrong by 1.5 %" : "may then be wrong by 0.15 %";
+      EXPECT_NE(last.what.find(by), std::string::npos) << last.what;
     }
 }
 
