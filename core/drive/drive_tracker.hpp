@@ -88,7 +88,9 @@ class DriveTracker {
 
   // Messages: the table does not count as moving; it has moved for `seconds` without being steady.
   [[nodiscard]] std::string at_rest_reason() const { return seen_.at_rest(rig_); }
-  [[nodiscard]] std::string unsteady_reason(double seconds) const { return seen_.unsteady(rig_, seconds); }
+  [[nodiscard]] std::string unsteady_reason(double seconds, const SamplingRegularity& sampling) const {
+    return seen_.unsteady(rig_, seconds, sampling);
+  }
 
  private:
   [[nodiscard]] double u_of(const Window& window, const During& during) const noexcept;

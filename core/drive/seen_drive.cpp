@@ -1,9 +1,13 @@
 #include "core/drive/seen_drive.hpp"
 
 #include "core/base/wording.hpp"
+#include "core/fit/folding.hpp"
 
 namespace dwell {
 namespace {
+
+// Part of a folded harmonic's amplitude that irregular instants leave, above which it is named.
+constexpr double kMostlyKept = 0.5;
 
 std::string length(const Rig& rig, double amplitude) {
   return rig.motion == Motion::translation ? brief(1e3 * amplitude) + " mm" : brief(amplitude) + " rad";
@@ -25,14 +29,29 @@ std::string SeenDrive::at_rest(const Rig& rig) const {
          length(rig, rig.excitation.minimum);
 }
 
-std::string SeenDrive::unsteady(const Rig& rig, double seconds) const {
+std::string SeenDrive::folded_beside(const Rig& rig, double seconds, const SamplingRegularity& sampling) const {
+  const double drive_hz = 0.5 * (slowest_ + fastest_);
+  Folding worst;
+  for (int m = rig.excitation.harmonics + 1; m <= kFoldedOrder; ++m) {
+    const SamplingRegularity::Alias alias = sampling.alias(m * drive_hz, drive_hz);
+    const Folding folding{m, 1, alias.apart_hz};
+    if (alias.kept > kMostlyKept && folding.distance_hz() < worst.distance_hz()) worst = folding;
+  }
+  if (worst.distance_hz() >= kClearOfHarmonics * drive_hz || worst.apart_hz * seconds < 1.0) return "";
+  return "; harmonic " + std::to_string(worst.harmonic) +
+         " of the drive, if there is any, reads as an oscillation some " + brief(worst.apart_hz, 1) +
+         " Hz beside it and looks the same: choose another rate";
+}
+
+std::string SeenDrive::unsteady(const Rig& rig, double seconds, const SamplingRegularity& sampling) const {
   if (windows_ <= kQuarters) return "too few periods seen since the drive began";
   std::string text = "the table moves by " + length(rig, most_);
   if (fastest_ > 0) text += " at " + range(slowest_, fastest_, 4) + " Hz";
   text += ", but not steadily: in " + brief(seconds, 2) + " s its amplitude was between " +
           length(rig, std::min(least_, most_)) + " and " + length(rig, most_) + "; settling.tolerance allows " +
           brief(100 * rig.tolerance, 2) + " % of change. The search range is " +
-          range(rig.excitation.search_low_hz, rig.excitation.search_high_hz, 6) + " Hz";
+          range(rig.excitation.search_low_hz, rig.excitation.search_high_hz, 6) + " Hz" +
+          folded_beside(rig, seconds, sampling);
   return text;
 }
 

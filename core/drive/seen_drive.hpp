@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/fit/blocks.hpp"
+#include "core/fit/mains.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -32,10 +33,13 @@ class SeenDrive {
   // The message for a table that does not count as moving.
   [[nodiscard]] std::string at_rest(const Rig& rig) const;
   // The message for a table that has moved for `seconds` without being steady for long enough. Before a window counts
-  // it says that too few periods were seen.
-  [[nodiscard]] std::string unsteady(const Rig& rig, double seconds) const;
+  // it says that too few periods were seen. sampling: of the table's channel. A harmonic that folds to within a beat of
+  // the drive makes a steady one look so, and is named.
+  [[nodiscard]] std::string unsteady(const Rig& rig, double seconds, const SamplingRegularity& sampling) const;
 
  private:
+  [[nodiscard]] std::string folded_beside(const Rig& rig, double seconds, const SamplingRegularity& sampling) const;
+
   double newest_ = 0.0, largest_ = 0.0;  // amplitudes of all windows ever
   double least_ = INFINITY, most_ = 0.0, slowest_ = 0.0, fastest_ = 0.0;
   int windows_ = 0;

@@ -71,7 +71,7 @@ std::string Pipeline::Impl::barred_reason() const {
            " Hz (excitation.search)";
   if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
   if (states.settling() && states.restarts() >= kManyRestarts)
-    return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
+    return tracker.unsteady_reason(to_s(now_ns - at.armed_ns), live[drive_channel()].sampling());
   return "";
 }
 
@@ -106,7 +106,8 @@ std::string Pipeline::Impl::settling_reason() const {
                   ? ", which is " + live[verdict.worst_channel].intake().held_reason()
                   : foreign_oscillations());
     }
-    if (states.restarts() > 0) return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
+    if (states.restarts() > 0)
+      return tracker.unsteady_reason(to_s(now_ns - at.armed_ns), live[drive_channel()].sampling());
     return "too few periods seen: " + brief(to_s(now_ns - at.steady_ns) / period_s(), 2);
   }
   const std::string since = brief(axis_s(at.settled_ns), 4) + " s";

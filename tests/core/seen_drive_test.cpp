@@ -22,9 +22,10 @@ TEST(SeenDrive, SaysNoAmplitudesBeforeOneCounts) {
   SeenDrive seen;
   seen.arm();
   seen.take(5e-3, 4.0, true);
-  EXPECT_EQ(seen.unsteady(rig, 1.0), "too few periods seen since the drive began");
+  EXPECT_EQ(seen.unsteady(rig, 1.0, {}), "too few periods seen since the drive began");
   for (int quarter = 0; quarter < 4; ++quarter) seen.take(5e-3, 4.0, true);
-  EXPECT_NE(seen.unsteady(rig, 1.0).find("between 5 mm and 5 mm"), std::string::npos) << seen.unsteady(rig, 1.0);
+  EXPECT_NE(seen.unsteady(rig, 1.0, {}).find("between 5 mm and 5 mm"), std::string::npos)
+      << seen.unsteady(rig, 1.0, {});
 }
 
 }  // namespace

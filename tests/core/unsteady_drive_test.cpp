@@ -39,6 +39,33 @@ Chain damped_chain(double times) {
   return chain;
 }
 
+std::string reason_after(Toned toned, double seconds) {
+  Pipeline pipeline(toned.rig);
+  toned.play(pipeline, seconds, [](std::uint8_t) {});
+  return pipeline.current().settling_reason;
+}
+
+// At 39.6 Hz the ninth harmonic of 4 Hz reads as 3.6 Hz, and the table seems to swing at 0.4 Hz.
+TEST(UnsteadyDrive, AHarmonicThatFoldsBesideTheDriveIsNamedWhereItLooksLikeASwing) {
+  Toned toned = under(clamped_chain(), 4, {{4, 0.002}, {36, 6e-5}});
+  toned.rate_hz = 39.6;
+  const std::string reason = reason_after(toned, 40);
+  EXPECT_NE(reason.find("; harmonic 9 of the drive, if there is any, reads as an oscillation some 0.4 Hz beside it and "
+                        "looks the same: choose another rate"),
+            std::string::npos)
+      << reason;
+}
+
+TEST(UnsteadyDrive, NoHarmonicIsBlamedWhereNoneFoldsBesideTheDrive) {
+  for (const double rate_hz : {47.0, 200.0, 500.0}) {
+    Toned toned = under(clamped_chain(), 4, hunting(4, 0.002, 0.1, 0.4));
+    toned.rate_hz = rate_hz;
+    const std::string reason = reason_after(toned, 40);
+    EXPECT_NE(reason.find("but not steadily"), std::string::npos) << reason;
+    EXPECT_EQ(reason.find("harmonic"), std::string::npos) << reason;
+  }
+}
+
 // Of the drive, Hz; of the chain, relative; dwells that are found at least: few where the chain rings for long.
 struct Hunted {
   double hz, damping;
