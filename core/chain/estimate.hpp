@@ -8,7 +8,7 @@
 //   error_sources.hpp  all error sources, with the effect of one standard deviation
 //   propagation.hpp    covariance and budget, to second order (GUM, JCGM 100, 5.1.2, note; JCGM 102)
 //   passivity.hpp      withholds elements with a negative coefficient
-//   linearity.hpp      warns of elements that are not linear
+//   linearity.hpp      warns of elements that are not linear, doubts them where a channel distorts
 //
 // An element is reported if |d_k| > 3 u(d_k) and u(Z_k) < |Z_k|/3. Otherwise it is withheld with the reason.
 #pragma once

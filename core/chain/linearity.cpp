@@ -27,8 +27,8 @@ constexpr double kFarFromLinear = 0.1;
 // named. As it is, no single element with friction or hardening blames a channel in the tests.
 constexpr double kSameDistortion = 0.4;
 
-// A law whose factor is g larger for one sign than for the other, or a transducer with such a gain, adds harmonic 2 of
-// 2g/(3π) of the fundamental, and g/2 of the fundamental itself: this times as much.
+// A law or a transducer whose factor is larger by the part g for one sign: g/2 of the fundamental over 2g/(3π) of it,
+// the error of the fundamental over harmonic 2.
 constexpr double kOneSided = 0.75 * std::numbers::pi;
 
 // The chain at harmonic h, and what each channel observes there.
@@ -63,9 +63,9 @@ double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double
 struct Excess {
   Complex force;  // e_h, relative to the phase of the deformation
   double sure;    // limit per component: more than this is not noise
-  // Change of `force` by a distortion of each channel, per ρ: by the harmonic that it adds in phase with the
-  // fundamental, ρ of it. Of harmonic 3, y - βy³ with ρ = βa²/4, also by the error of c and r, since the fundamental
-  // loses 3ρ. What goes with harmonic 2 is not known.
+  // Change of `force`, per ρ, if a channel adds ρ times its fundamental as this harmonic. For harmonic 3 (y - βy³, ρ =
+  // βa²/4) it includes the error of c and r, since the fundamental loses 3ρ. For harmonic 2 the loss is not known, and
+  // left out.
   VectorXcd by_channel;
 };
 
@@ -99,11 +99,16 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
     const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, at.h);
     const Complex part = row.cwiseProduct(gain.gain.col(c)).sum();
     // The scatter of the fundamental (of.widened) does not apply to this harmonic.
-    const double noise = 0.5 * (of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
+    // A held register's instants drift as polls and refreshes beat, which may repeat with the motion: any harmonic.
+    const double noise = 0.5 * (of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u +
+                         0.5 * std::norm(frequency.omega * of.refresh_u_s * of.X[0]);
     if (at.h == 3)
       by_channel(c) -= lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation) *
                        std::polar(1.0, -at.h * phase_rad);
-    by_channel(c) += part * per_reading * std::abs(of.X[0]) * std::polar(1.0, at.h * (std::arg(of.X[0]) - phase_rad));
+    // Where y = |X| sin φ, y² and a gain that differs between the halves add -cos 2φ, and -y³ adds sin 3φ.
+    const double adds_rad = at.h == 2 ? -0.5 * std::numbers::pi : 0.0;
+    by_channel(c) +=
+        part * per_reading * std::abs(of.X[0]) * std::polar(1.0, at.h * (std::arg(of.X[0]) - phase_rad) + adds_rad);
     variance += std::norm(part * per_reading) * noise;
     variance += std::norm(part * at.seen(c)) * stated_variance(rig, i, of, omega);
     least_dof = std::min(least_dof, of.dof);
@@ -143,8 +148,9 @@ Distortion distorting(const Rig& rig, int h, const std::vector<Excess>& excesses
     if (!explains) continue;
     out.channels.push_back(rig.channels[c].name);
     out.text += (out.text.empty() ? "if " : ", or if ") + rig.channels[c].name + " distorts, a harmonic " +
-                std::to_string(h) + " of " + percent(std::abs(part)) + " in phase with its reading explains " +
-                elements_text(told) + "; its reading " +
+                std::to_string(h) + " of " + percent(std::abs(part)) +
+                (h == 3 ? " in phase with its reading explains " : " of its reading explains ") + elements_text(told) +
+                "; its reading " +
                 (h == 3 ? "is then " + percent(3 * std::abs(part)) + (part > 0 ? " too small" : " too large")
                         : "may then be wrong by " + percent(kOneSided * std::abs(part)) +
                               ", as with a gain that differs between the halves of the motion");
@@ -170,9 +176,10 @@ Parts explained_by(const Excess& third, const ElementEstimate& element, double o
   return parts;
 }
 
-// By harmonic 2, if the law differs between the signs. Spring and damper look alike there.
+// By harmonic 2, if the law differs between the signs. Spring and damper look alike there. Both make an imaginary
+// e_2.
 Parts one_sided(const Excess& second, const ElementEstimate& element, double omega) {
-  const double a = element.deformation.value, size = std::abs(second.force);
+  const double a = element.deformation.value, size = std::abs(second.force.imag());
   Parts parts;
   parts.in_c = kOneSided * size / a;
   parts.in_r = parts.in_c / omega;
@@ -194,10 +201,10 @@ std::string equivalent_words(const Rig& rig, const ElementEstimate& element, con
 std::string words_of_second(const Rig& rig, const ElementEstimate& element, const Excess& second, const Parts& parts,
                             bool is_far) {
   const double U = second.sure * kNormal95 / sigmas::kSure;
-  return equivalent_words(rig, element, parts, is_far) +
-         "2 of its force: " + plus_minus(std::abs(second.force), U, rig.motion == Motion::rotation ? "N·m" : "N") +
+  return equivalent_words(rig, element, parts, is_far) + "2 of its force: " +
+         plus_minus(std::abs(second.force.imag()), U, rig.motion == Motion::rotation ? "N·m" : "N") +
          ". A spring that is stiffer one way than the other would explain it, and " +
-         brief(100 * parts.in_c / std::abs(element.stiffness.value), 2) + " % of c; or such a damper, and " +
+         brief(100 * parts.in_c / std::abs(element.stiffness.value), 2) + " % of c; or a damper like that, and " +
          brief(100 * parts.in_r / std::abs(element.damping.value), 2) +
          " % of r. Measure at other amplitudes; a transducer that distorts gives the same picture";
 }
@@ -262,11 +269,9 @@ Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Ev
     const Parts by_second = one_sided(second, element, omega), by_third = explained_by(third, element, omega);
     if (by_second.significant()) with_second.push_back(element.k);
     if (by_third.significant()) with_third.push_back(element.k);
-    if (by_third.significant())
-      warn(words_of(rig, element, third, by_third, omega, worst_h == 3), element.k);
-    else if (by_second.significant())
-      warn(words_of_second(rig, element, second, by_second, worst_h == 2), element.k);
-    else if (worst_h > 0)
+    if (by_third.significant()) warn(words_of(rig, element, third, by_third, omega, worst_h == 3), element.k);
+    if (by_second.significant()) warn(words_of_second(rig, element, second, by_second, worst_h == 2), element.k);
+    if (worst_h > 0 && !by_third.significant() && !by_second.significant())
       warn("element " + std::to_string(element.k) + " is far from linear: harmonic " + std::to_string(worst_h) +
                " of its force that c and r do not explain is " + brief(100 * worst, 2) +
                " % of the fundamental; c and r are equivalent stiffness and damping at this amplitude",

@@ -8,8 +8,8 @@
 //   Coulomb friction F_c     e_3 = -j 4F_c/(3π)      imaginary, contributes + 3 |e_3|/(ωa) to r
 //   quadratic damping r₂v|v| e_3 = +j 8r₂ω²a²/(15π)  imaginary, contributes + 5 |e_3|/(ωa) to r
 //
-// A law that differs between the signs, by the part g, has e_2 = 2g/(3π) of its force, real for spring and damper
-// alike, and contributes g/2, 3π/4 of e_2, to the coefficient. (With d² there is e_2 and no contribution.)
+// A law that is larger by the part g for one sign has e_2 = -j 2g/(3π) of its force (+j: a damper), and
+// contributes g/2 to the coefficient: 3π/4 of e_2. With d² there is e_2 and no contribution, so this is the most.
 //
 // A transducer that distorts, y - βy³, adds a third harmonic ρ|X_1| in the phase of its reading, real ρ = βa²/4, and
 // loses 3ρ of its fundamental. If one such ρ explains the residuals of several elements, that channel is named. One
@@ -30,12 +30,12 @@
 namespace dwell {
 
 struct Linearity {
-  std::vector<Warning> warnings;  // at most one per identifiable element, and one for channels that add harmonic 2
+  std::vector<Warning> warnings;  // at most two per identifiable element, and one for channels that add harmonic 2
   std::vector<Doubt> doubts;      // at most one: channels that may distort
 };
 
-// elements: estimated from the same evidence. The kinds above need Excitation::harmonics >= 3. Allocates;
-// O(harmonics · elements · (elements + channels)).
+// elements: estimated from the same evidence. Harmonic 2 needs Excitation::harmonics >= 2, the other kinds 3.
+// Allocates; O(harmonics · elements · (elements + channels)).
 [[nodiscard]] Linearity judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
                                         const Frequency& frequency, const std::vector<ElementEstimate>& elements);
 

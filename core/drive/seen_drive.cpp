@@ -35,12 +35,13 @@ std::string SeenDrive::folded_beside(const Rig& rig, double seconds, const Sampl
   for (int m = rig.excitation.harmonics + 1; m <= kFoldedOrder; ++m) {
     const SamplingRegularity::Alias alias = sampling.alias(m * drive_hz, drive_hz);
     const Folding folding{m, 1, alias.apart_hz};
-    if (alias.kept > kMostlyKept && folding.distance_hz() < worst.distance_hz()) worst = folding;
+    const bool beats = alias.kept > kMostlyKept && alias.apart_hz * seconds >= 1.0;
+    if (beats && folding.distance_hz() < worst.distance_hz()) worst = folding;
   }
-  if (worst.distance_hz() >= kClearOfHarmonics * drive_hz || worst.apart_hz * seconds < 1.0) return "";
-  return "; harmonic " + std::to_string(worst.harmonic) +
-         " of the drive, if there is any, reads as an oscillation some " + brief(worst.apart_hz, 1) +
-         " Hz beside it and looks the same: choose another rate";
+  if (worst.distance_hz() >= kClearOfHarmonics * drive_hz) return "";
+  return ". The sampling may be the cause: harmonic " + std::to_string(worst.harmonic) +
+         " of the drive, if there is any, appears as an oscillation some " + brief(worst.apart_hz, 1) +
+         " Hz beside it, so that the amplitude seems to swing. Read at another rate";
 }
 
 std::string SeenDrive::unsteady(const Rig& rig, double seconds, const SamplingRegularity& sampling) const {

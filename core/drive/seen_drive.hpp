@@ -33,8 +33,8 @@ class SeenDrive {
   // The message for a table that does not count as moving.
   [[nodiscard]] std::string at_rest(const Rig& rig) const;
   // The message for a table that has moved for `seconds` without being steady for long enough. Before a window counts
-  // it says that too few periods were seen. sampling: of the table's channel. A harmonic that folds to within a beat of
-  // the drive makes a steady one look so, and is named.
+  // it says that too few periods were seen. sampling: of the table's channel. A harmonic that folds close
+  // to the drive (folding.hpp) and beats with it once or more in this time makes a steady drive look so, and is named.
   [[nodiscard]] std::string unsteady(const Rig& rig, double seconds, const SamplingRegularity& sampling) const;
 
  private:

@@ -32,7 +32,7 @@ void PrintedGrid::search() noexcept {
     if (step == 0.0 && multiple_ < kLargestMultiple) continue;
     multiple_ = 0;
     base_ += kGlitches / 2;
-    if (base_ > kGlitches) return found(largest_);
+    if (base_ > kGlitches) return take_result(largest_);
   }
 }
 
@@ -40,18 +40,17 @@ double PrintedGrid::refined(double step) const noexcept {
   const double least = std::log(kByChance);
   double chance = 0.0;                                        // logarithm of the probability of so good a match
   double products = 0.0, squares = 0.0, farthest = INFINITY;  // farthest: so many steps are still told beyond doubt
-  double before = 0.0, off = 0.0;  // the multiple matched last, and the largest deviation of its differences
-  bool first = true;               // its difference made the step, so it proves nothing
+  double before = 0.0, off = 0.0;  // the newest multiple matched, and the largest deviation of its differences
+  int multiples = 0;               // matched so far; the first made the step, so it proves nothing
   std::size_t glitches = base_, doubtful = 0;
-  const auto close = [&] {
-    if (!first && before > 0) chance += std::log(std::max(2 * off, 1e-15));
-    first = first && before == 0;
+  const auto end_multiple = [&] {
+    if (multiples > 1) chance += std::log(std::max(2 * off, 1e-15));
   };
   for (std::size_t i = base_; i < kDifferences; ++i) {
     const double times = sizes_[i] / step, whole = std::round(times);
-    if (times > farthest) {
-      ++doubtful;
-      continue;
+    if (times > farthest) {  // and so are all after it
+      doubtful = kDifferences - i;
+      break;
     }
     const double deviation = std::abs(times - whole);
     if (whole < 1 || deviation > kOff) {
@@ -59,7 +58,8 @@ double PrintedGrid::refined(double step) const noexcept {
       continue;
     }
     if (whole != before) {
-      close();
+      end_multiple();
+      ++multiples;
       before = whole;
       off = 0.0;
     }
@@ -69,15 +69,15 @@ double PrintedGrid::refined(double step) const noexcept {
     step = products / squares;
     farthest = whole / (4 * kOff);
   }
-  close();
-  if (glitches > 0)  // at most so many choices
+  end_multiple();
+  if (glitches > 0)  // there are at most (64e/g)^g ways to choose g of 64
     chance += static_cast<double>(glitches) *
               (1 + std::log(static_cast<double>(kDifferences) / static_cast<double>(glitches)));
   return chance < least && 4 * doubtful < kDifferences ? step : 0.0;
 }
 
 // A step that was found is given up for another result once that comes twice in a row.
-void PrintedGrid::found(double step) noexcept {
+void PrintedGrid::take_result(double step) noexcept {
   const bool again = std::abs(step - newest_) <= kSame * step;
   if (step_ == 0.0 || again) step_ = step;
   newest_ = step;

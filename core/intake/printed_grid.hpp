@@ -1,11 +1,11 @@
 // Finds the rounding step of readings that were rounded once more and much more finely: printed with six digits, say,
 // or held as float32. Their differences are multiples of the step only nearly.
 //
-// A step s explains kDifferences differences d if each is a multiple of it within kOff. The smallest difference is some
+// A step s explains kDifferences differences d if most are multiples of it within kOff. The smallest difference is some
 // multiple k of it, so k = 1, 2 … kLargestMultiple are tried, and so are those of two larger differences, since a
 // glitch may be smaller. The largest step that convinces is it. From small to large differences the step is refined as
 // it goes: a difference of m steps gives it m times more accurately, so the next one may have 1/(4 kOff) times as many
-// steps and still be a whole number of them beyond doubt.
+// steps and still be a whole number of them beyond doubt. Beyond a wider gap the rest tells nothing.
 //
 // By chance, numbers on no grid match within ±e with a probability of 2e each. All differences of the same multiple are
 // one match, with the largest of their e: a motion that repeats has few different ones. kGlitches of them may be off
@@ -18,7 +18,12 @@
 
 namespace dwell {
 
-// Of one channel, in any unit. Bound to one thread; real-time safe: an add() tries kTries steps at most, 1 µs.
+// A motion of few steps has few different differences, so beneath four or five digits a step may be missed. Without any
+// noise, a motion read thousands of times a period has differences in arithmetic series, which may pass for a step of
+// 10⁻⁵ of its amplitude or less: nothing.
+//
+// Of one channel, in any unit. Bound to one thread; real-time safe. Most calls compare two numbers. A call sorts
+// kDifferences numbers, or tries kTries steps with kDifferences divisions each, at most.
 class PrintedGrid {
  public:
   // The size of the difference of two consecutive good readings, above 0, finite.
@@ -35,8 +40,8 @@ class PrintedGrid {
   static constexpr std::size_t kGlitches = kDifferences / 4;
   static constexpr double kOff = 0.1;          // steps
   static constexpr double kSame = 0.01;        // relative: two searches found the same
-  static constexpr double kByChance = 1e-12;   // a try; 1e5 tries in the first minute at 1 kHz, 1e6 in each later hour
-  static constexpr std::int64_t kRest = 4096;  // readings between two searches, at most; the first ones follow at once
+  static constexpr double kByChance = 1e-12;   // a try; 3e4 tries in the first minute at 1 kHz, 1e6 in each later hour
+  static constexpr std::int64_t kRest = 4096;  // differences between two searches, at most; at first kDifferences
 
   enum class State { collecting, searching, resting };
 
@@ -44,7 +49,8 @@ class PrintedGrid {
   void search() noexcept;
   // The step refined from near `step`, or 0 if it does not convince.
   [[nodiscard]] double refined(double step) const noexcept;
-  void found(double step) noexcept;
+  // Ends a search. 0: it found none.
+  void take_result(double step) noexcept;
 
   std::array<double, kDifferences> sizes_{};
   State state_ = State::collecting;

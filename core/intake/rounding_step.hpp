@@ -2,8 +2,8 @@
 //
 // Euclid's algorithm, one step per difference, reaches it within some twenty differences. kSure multiples in a row end
 // a batch. One reading off the grid spoils only its batch: the batches vote, and the step changes only if more of them
-// contradict it than agree. Where the readings were rounded once more (PrintedGrid), the differences are multiples of
-// the second, far finer step; the first, which matters, is then the other's.
+// contradict it than agree. Where the readings were rounded once more, much more finely, Euclid's
+// algorithm finds that second step. PrintedGrid finds the coarse one, which counts.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 
 namespace dwell {
 
-// Of one channel, in any unit. Bound to one thread; real-time safe; a division a difference.
+// Of one channel, in any unit. Bound to one thread; real-time safe; a division a difference, and now and then a search
+// (PrintedGrid).
 class RoundingStep {
  public:
   // The difference of two consecutive good readings.
@@ -45,7 +46,7 @@ class RoundingStep {
   // 10^13. With twice as many, one reading in 30 off the grid would spoil every batch.
   static constexpr int kSure = 8;
   static constexpr double kMultiple = 8.0;  // steps: a batch with a larger divisor contradicts the step
-  static constexpr double kCoarser = 1.5;   // the same step, found both ways, is the exact one
+  static constexpr double kCoarser = 1.5;   // PrintedGrid's step is another one only if it is so many times coarser
   static constexpr int kMemory = 16;        // batches that vote: a device set to another range is followed
 
   static double common(double step, double difference) noexcept {

@@ -87,7 +87,7 @@ class TransientWatch {
 
   // A record of the stream, its instant on the run's axis, and its position. Real-time safe.
   void take(const Record& record, std::int64_t t_ns, std::uint64_t position = 0) noexcept;
-  // The dwell as it stands now, and the channels that it withholds because their readings are at fault. A few times a
+  // The dwell as it stands now, and the channels whose readings are at fault (readings_at_fault.hpp). A few times a
   // second. Where a dwell ends, copies its readings: a millisecond at most.
   void follow(const Dwell& now, std::vector<ChannelFault> at_fault = {});
   // A dwell has ended; follow() may have been told already. A last estimate of the dwell before that has not begun is

@@ -26,9 +26,9 @@ struct ColumnMatch {
 
 // Every dwell of the recording, in order, also those that did not settle; empty: no drive was ever seen. Values are raw
 // (the rig's scale, offset and unit apply); times are on the recording's own axis. readings, if given: receives those
-// that count. at_fault, if given: receives the channels that some dwell withholds because their readings are at fault,
-// each with what is wrong, as MotionOptions::at_fault has it. The rig must be valid. The pipeline's cost per sample;
-// bound to one thread.
+// that count. at_fault, if given: receives the channels whose readings are at fault in some dwell
+// (readings_at_fault.hpp), each with what is wrong, as MotionOptions::at_fault has it. The rig must be valid. The
+// pipeline's cost per sample; bound to one thread.
 [[nodiscard]] tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const RecordSource& source,
                                                                      const Progress& progress = {},
                                                                      VerificationReadings* readings = nullptr,

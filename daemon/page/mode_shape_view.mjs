@@ -82,7 +82,7 @@ function turn() {
 $('shape-pause').addEventListener('click', () => {
   moves = !moves;
   turn();
-  place(); // it stands where it is halted: a picture planned before would move it once more
+  place(); // now: a picture that is planned already would move it after the halt
 });
 turn();
 setInterval(() => {

@@ -344,7 +344,7 @@ TEST_F(DisturbedReadings, AChannelFirstHeardDuringAHoldHasARoundingStep) {
   }
 }
 
-// As the test before last, but the readings go through text: a step of a 1/4096 of the range and six digits.
+// As in OneReadingOffTheGrid…, but the readings go through text: a step of a 1/4096 of the range and six digits.
 TEST_F(DisturbedReadings, ReadingsRoundedOnceMoreWhenPrintedKeepTheirRoundingInTheBudget) {
   const auto with_u = [&](const char* format) {
     return measured(
