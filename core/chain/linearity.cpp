@@ -27,8 +27,8 @@ constexpr double kFarFromLinear = 0.1;
 // named. As it is, no single element with friction or hardening blames a channel in the tests.
 constexpr double kSameDistortion = 0.4;
 
-// A law or a transducer whose factor is larger by the part g for one sign: g/2 of the fundamental over 2g/(3π) of it,
-// the error of the fundamental over harmonic 2.
+// Error of the fundamental over harmonic 2, where a law or a transducer is larger by the part g for one sign: g/2 over
+// 2g/(3π).
 constexpr double kOneSided = 0.75 * std::numbers::pi;
 
 // The chain at harmonic h, and what each channel observes there.
@@ -176,8 +176,7 @@ Parts explained_by(const Excess& third, const ElementEstimate& element, double o
   return parts;
 }
 
-// By harmonic 2, if the law differs between the signs. Spring and damper look alike there. Both make an imaginary
-// e_2.
+// By harmonic 2, if the law differs between the signs. Springs and dampers both make an imaginary e_2.
 Parts one_sided(const Excess& second, const ElementEstimate& element, double omega) {
   const double a = element.deformation.value, size = std::abs(second.force.imag());
   Parts parts;

@@ -36,9 +36,11 @@ class PrintedGrid {
 
  private:
   static constexpr std::size_t kDifferences = 64;
-  static constexpr int kLargestMultiple = 512, kTries = 16;
+  static constexpr int kTries = 16;
+  // A step below 1/512 of a small difference adds next to nothing to the noise.
+  static constexpr int kLargestMultiple = 512;
   static constexpr std::size_t kGlitches = kDifferences / 4;
-  static constexpr double kOff = 0.1;          // steps
+  static constexpr double kOff = 0.1;          // steps: the second rounding's step is a tenth of the first at most
   static constexpr double kSame = 0.01;        // relative: two searches found the same
   static constexpr double kByChance = 1e-12;   // a try; 3e4 tries in the first minute at 1 kHz, 1e6 in each later hour
   static constexpr std::int64_t kRest = 4096;  // differences between two searches, at most; at first kDifferences

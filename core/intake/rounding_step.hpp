@@ -2,8 +2,8 @@
 //
 // Euclid's algorithm, one step per difference, reaches it within some twenty differences. kSure multiples in a row end
 // a batch. One reading off the grid spoils only its batch: the batches vote, and the step changes only if more of them
-// contradict it than agree. Where the readings were rounded once more, much more finely, Euclid's
-// algorithm finds that second step. PrintedGrid finds the coarse one, which counts.
+// contradict it than agree. Where the readings were rounded once more, much more finely, Euclid's algorithm finds that
+// second step. PrintedGrid finds the coarse one, which counts.
 #pragma once
 
 #include <algorithm>
