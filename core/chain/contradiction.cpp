@@ -19,9 +19,11 @@ namespace {
 using Eigen::Index;
 
 struct Observed {
-  Eigen::VectorXcd o;                    // displacement or force on the ground
-  Eigen::VectorXd own;                   // variance by the errors of each channel alone, sum of both components
-  std::map<int, Eigen::VectorXcd> late;  // change of o by one standard deviation of an instant that channels share
+  Eigen::VectorXcd o;   // displacement or force on the ground
+  Eigen::VectorXd own;  // variance by the errors of each channel alone, sum of both components
+  // Change of o by one standard deviation of an instant that channels share, by what it is and by the index of the
+  // device, of the transaction or of the lowest channel.
+  std::map<std::pair<SourceKind, int>, Eigen::VectorXcd> late;
 };
 
 Observed observed(const Rig& rig, const std::vector<Evidence>& evidence, double omega) {
@@ -38,18 +40,22 @@ Observed observed(const Rig& rig, const std::vector<Evidence>& evidence, double 
     const LogSlopes slopes = response_slopes(channel, device.delay_s, omega / kTwoPi);
     const double few = std::pow(student_t95(of.dof) / kNormal95, 2);  // the noise estimate is itself uncertain
     out.o(c) = of.X[0] * per_reading;
-    out.own(c) = std::norm(per_reading) * (few * few * (of.widened * of.covariance.trace() + of.transient.trace()) +
-                                           2 * (of.quantization_u * of.quantization_u + of.folded_u * of.folded_u)) +
-                 std::norm(out.o(c)) * (channel.scale_u * channel.scale_u +
-                                        std::pow(omega * std::hypot(channel.delay_u_s, of.refresh_u_s), 2) +
-                                        std::norm(slopes.lowpass_corner * channel.lowpass.hz_u) +
-                                        std::norm(slopes.highpass_corner * channel.highpass.hz_u));
-    // Keys of `late`: -1 - device for the delay of a device, the transaction for its turnaround.
+    out.own(c) =
+        std::norm(per_reading) * (few * few * (of.widened * of.covariance.trace() + of.transient.trace()) +
+                                  2 * (of.quantization_u * of.quantization_u + of.folded_u * of.folded_u)) +
+        std::norm(out.o(c)) * (channel.scale_u * channel.scale_u + of.uneven.part * of.uneven.part +
+                               std::pow(omega * std::hypot(channel.delay_u_s, of.refresh_u_s, of.uneven.own_s), 2) +
+                               std::norm(slopes.lowpass_corner * channel.lowpass.hz_u) +
+                               std::norm(slopes.highpass_corner * channel.highpass.hz_u));
     const Complex delayed = Complex{0.0, omega} * out.o(c);
     if (device.delay_u_s > 0)
-      out.late.try_emplace(-1 - channel.device, nothing).first->second(c) = delayed * device.delay_u_s;
+      out.late.try_emplace({SourceKind::delay, channel.device}, nothing).first->second(c) = delayed * device.delay_u_s;
     if (of.turnaround_u_s > 0)
-      out.late.try_emplace(std::max(of.transaction, 0), nothing).first->second(c) = delayed * of.turnaround_u_s;
+      out.late.try_emplace({SourceKind::turnaround, std::max(of.transaction, 0)}, nothing).first->second(c) =
+          delayed * of.turnaround_u_s;
+    if (of.uneven.with >= 0)
+      out.late.try_emplace({SourceKind::uneven, of.uneven.with}, nothing).first->second(c) =
+          delayed * of.uneven.shared_s;
   }
   return out;
 }

@@ -52,7 +52,7 @@ class Collection {
 
   void add_noise(Index c);
   void add_stated(Index c);
-  // Delays that the channels of a device share, and turnarounds that the channels of a transaction share.
+  // Delays that the channels of a device share, turnarounds that the channels of a transaction share, uneven stamps.
   void add_shared_instants();
   void add_masses();
   void add_taken_for_transient();
@@ -160,7 +160,7 @@ void Collection::add_noise(Index c) {
   }
 }
 
-// Adds the systematic errors of this channel alone: scale, refresh of its register, delay, filters.
+// Adds the systematic errors of this channel alone: scale, refresh of its register, uneven readings, delay, filters.
 void Collection::add_stated(Index c) {
   const Channel& channel = this->channel(c);
   const LogSlopes slopes = response_slopes(channel, device_delay_s(chain_.rig, channel), chain_.omega / (kTwoPi));
@@ -168,6 +168,10 @@ void Collection::add_stated(Index c) {
     add_of_channel(SourceKind::scale, "scale of ", c, through_channel(c, o_(c) * channel.scale_u),
                    {.channel = c, .relative = channel.scale_u});
   add_late(SourceKind::refresh, "refresh of ", c, seen(c).refresh_u_s);
+  add_late(SourceKind::uneven, "uneven readings of ", c, seen(c).uneven.own_s);
+  if (seen(c).uneven.part > 0)
+    add_of_channel(SourceKind::uneven, "uneven readings of ", c, through_channel(c, o_(c) * seen(c).uneven.part),
+                   {.channel = c, .relative = seen(c).uneven.part});
   add_late(SourceKind::delay, "delay of ", c, channel.delay_u_s);
   if (channel.lowpass.hz_u > 0)
     add_of_channel(SourceKind::lowpass, "low-pass of ", c,
@@ -181,7 +185,7 @@ void Collection::add_stated(Index c) {
 
 void Collection::add_shared_instants() {
   const Rig& rig = chain_.rig;
-  std::map<int, Shared> by_device, by_transaction;
+  std::map<int, Shared> by_device, by_transaction, by_stamps;
   for (Index c = 0; c < o_.size(); ++c) {
     if (!counts(c)) continue;
     if (const int device = channel(c).device; device >= 0)
@@ -189,12 +193,16 @@ void Collection::add_shared_instants() {
         share(by_device, device, c, u);
     if (const Evidence& seen = this->seen(c); seen.turnaround_u_s > 0)
       share(by_transaction, seen.transaction >= 0 ? seen.transaction : static_cast<int>(c), c, seen.turnaround_u_s);
+    if (const UnevenReadings& uneven = this->seen(c).uneven; uneven.with >= 0)
+      share(by_stamps, uneven.with, c, uneven.shared_s);
   }
   for (auto& [device, shared] : by_device)
     add_shared(SourceKind::delay, "delay of " + name_of_device(device), name_of_device(device), std::move(shared));
   for (auto& [transaction, shared] : by_transaction)
     add_shared(SourceKind::turnaround, "turnaround of " + name_of_transaction(rig, evidence_, transaction),
                name_of_device(channel(transaction).device), std::move(shared));
+  for (auto& [lowest, shared] : by_stamps)
+    add_shared(SourceKind::uneven, "uneven stamps of " + channel(lowest).name + " and others", "", std::move(shared));
 }
 
 void Collection::add_masses() {

@@ -6,8 +6,8 @@
 //   δZ_{n+1} = (δF - Z_{n+1} δY_n) / Y_n
 //   δo = noise + o δs/s + jωo δτ - o ∂ln H/∂f_c δf_c - o (q/ω + H'/H) δω ,   to second order by δτ: -o (ω δτ)²/2
 //
-//   s scale, τ instant (delay, turnaround, refresh), H filters and delay, f_c corner of a filter, q order of the
-//   measured derivative
+//   s scale, τ instant (delay, turnaround, refresh, uneven readings), H filters and delay, f_c corner of a filter, q
+//   order of the measured derivative
 //
 // Noise is type A, with the degrees of freedom of its residuals. All other sources are type B, with infinite degrees of
 // freedom. An error that several channels share is one source: the delay of a device, the turnaround of a transaction,

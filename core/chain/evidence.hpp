@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/fit/harmonic_fit.hpp"
+#include "core/fit/moving_errors.hpp"
 #include "core/fit/scatter.hpp"
 #include "core/rig/rig.hpp"
 
@@ -29,6 +30,7 @@ struct Evidence {
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  // covariance of X_1 by the uncertainty of the transient
   double quantization_u = 0.0;                          // of X_1, by the device's rounding
   double refresh_u_s = 0.0;                             // of the instants, by a slowly refreshed register
+  UnevenReadings uneven;                                // errors that grow with the motion
   double folded_u = 0.0;                                // of X_1, by harmonics that sampling folds onto it
   double turnaround_u_s = 0.0;                          // of the instants, by the turnaround of the transaction
   int transaction = -1;  // lowest channel of those that share turnaround_u_s (Transactions::of); -1: no other does

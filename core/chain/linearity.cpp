@@ -53,8 +53,9 @@ double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double
   const Channel& channel = rig.channels[c];
   const Device device = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)] : Device{};
   const LogSlopes slopes = response_slopes(channel, device.delay_s, omega / kTwoPi);
-  const double delay_u = std::hypot(std::hypot(channel.delay_u_s, of.refresh_u_s), device.delay_u_s, of.turnaround_u_s);
-  return channel.scale_u * channel.scale_u + std::pow(omega * delay_u, 2) +
+  const double delay_u = std::hypot(std::hypot(channel.delay_u_s, of.refresh_u_s, of.uneven.own_s), device.delay_u_s,
+                                    std::hypot(of.turnaround_u_s, of.uneven.shared_s));
+  return channel.scale_u * channel.scale_u + of.uneven.part * of.uneven.part + std::pow(omega * delay_u, 2) +
          std::norm(slopes.lowpass_corner) * channel.lowpass.hz_u * channel.lowpass.hz_u +
          std::norm(slopes.highpass_corner) * channel.highpass.hz_u * channel.highpass.hz_u;
 }

@@ -40,6 +40,11 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     states.set_unconfirmed(modes.unconfirmed());
     // While the newest quarters may hold another drive, ω is not refined from them.
     if (!data.sums_valid() || (data.wants_refining() && doubtful_quarters() == 0)) resum();
+    if (doubtful_quarters() > 0 || !data.sums_valid() || !errors_in_motion.due(end_ns, period_s())) return;
+    HarmonicFits fits(data.sums(), harmonics());
+    errors_in_motion.go_on(history, end_ns, [&](int c, std::int64_t about_ns) {
+      return moving_context(c, fits.fit(c, blocks().reference(c)), data.sums().t_ref_ns(), about_ns);
+    });
   }
 }
 
@@ -205,7 +210,22 @@ void Pipeline::Impl::refresh_reference() {
   for (int c = 0; c < live.count(); ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }
 
+MovingContext Pipeline::Impl::moving_context(int c, HarmonicFit fit, std::int64_t t_ref_ns,
+                                             std::int64_t about_ns) const {
+  const double phase = omega() * to_s(about_ns - t_ref_ns) + data.bend(about_ns), step = live[c].intake().step();
+  for (int h = 1; h <= harmonics(); ++h) fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * phase);
+  return {.fit = fit,
+          .t_ref_ns = about_ns,
+          .omega = data.omega_at(about_ns, omega()),
+          .known_instants_s = std::hypot(live[c].turnaround_u_s(), live[c].intake().refresh_half_s()),
+          .rounding = std::isfinite(step) ? step : 0.0};
+}
+
 void Pipeline::Impl::conclude(int to, bool with_open) {
+  if (states.measuring() && to > 0)
+    errors_in_motion.look(history, blocks().block(to - 1).end_ns, [&](int c, std::int64_t about_ns) {
+      return moving_context(c, data.fit(c, 0, to, omega(), about_ns), about_ns, about_ns);
+    });
   finished.keep(evaluate(to, with_open, false), at.armed_ns, omega());
 }
 

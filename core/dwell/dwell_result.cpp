@@ -18,6 +18,11 @@ constexpr double kFarthest = 100.0;
 // wrong order of words has 6 to 9 % left out. A gateway's zeros are at most 2 % where the poles are still right.
 // Halved, it comes near those zeros. Doubled, it misses the float32.
 constexpr double kMostForeign = 0.05;
+// Largest mean of errors over their standard deviation: that of errors between 0 and a largest one, all equally likely,
+// and of an error that three quarters of the readings have. The mean of all is not known.
+constexpr double kMeanOverScatter = std::numbers::sqrt3;
+// From this part of a phasor's other relative uncertainty on, uneven readings are told.
+constexpr double kUnevenMatters = 0.5;
 
 double foreign_part(const LiveChannels& live, const Rig& rig) {
   double most = 0.0;
@@ -70,6 +75,12 @@ void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
   const HarmonicFit& fit = result.fit;
   if (!fit.usable || rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary) return;
   result.refresh_u_s = live[c].intake().refresh_half_s() / std::numbers::sqrt3;
+  if (states.measuring()) {
+    result.uneven = {.part = kMeanOverScatter * errors_in_motion.part(c),
+                     .own_s = kMeanOverScatter * errors_in_motion.own_s(c),
+                     .shared_s = kMeanOverScatter * errors_in_motion.shared_s(c),
+                     .with = errors_in_motion.with(c)};
+  }
   if (!result.withheld.empty()) return;
   const double u = std::hypot(std::sqrt(0.5 * fit.covariance.trace()), result.quantization_u);
   result.withheld = live[c].unfit_reason(std::abs(fit.X[0]), u, states.measuring());
@@ -168,9 +179,32 @@ void Pipeline::Impl::warn_of_readings(const std::vector<ChannelResult>& results,
       dwell.warnings.push_back({WarningKind::readings, name + ": " + of, {}, {name}});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
+    if (const std::string reason = uneven_reason(c, results[i]); !reason.empty()) warn(reason);
     if (!(results[i].quantization_u > 0)) continue;  // noise smooths the steps of rounding
     if (const std::string reason = live[c].intake().coarse_reason(); !reason.empty()) warn(reason);
   }
+}
+
+// How the errors that grow with the motion show, in words; empty: they do not matter beside the other uncertainties.
+std::string Pipeline::Impl::uneven_reason(int c, const ChannelResult& result) const {
+  if (!result.fit.usable) return "";
+  const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+  const double amplitude = std::abs(result.fit.X[0]),
+               other = std::hypot(std::sqrt(0.5 * result.fit.covariance.trace()) / amplitude, channel.scale_u,
+                                  omega() * std::hypot(channel.delay_u_s, result.turnaround_u_s, result.refresh_u_s));
+  if (omega() * result.uneven.own_s > kUnevenMatters * other)
+    return "its readings scatter most where it moves fastest, as if their instants were off by " +
+           brief(1e3 * errors_in_motion.own_s(c), 2) +
+           " ms (rms): they come late, are repeated or are stamped unevenly. All may be late by more or less than"
+           " stated, so u counts " +
+           brief(1e3 * result.uneven.own_s, 2) + " ms";
+  if (result.uneven.part > kUnevenMatters * other)
+    return "its readings scatter most where it turns, as if each were off by a part of itself, " +
+           percent(errors_in_motion.part(c)) +
+           " (rms): some are far from the others, on another scale or zero. All may be too small or too large, so u"
+           " counts " +
+           percent(result.uneven.part);
+  return "";
 }
 
 // A dwell without coefficients: says why, and how long it may last.

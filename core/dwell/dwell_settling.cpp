@@ -23,6 +23,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   if (states.awaits_reason()) emit(EndedBy::drive_changed);
   states.begin_to_measure();
   live.begin_to_count();
+  errors_in_motion.begin(at.settled_ns);
   windows.keep_left();
   resum();
 }

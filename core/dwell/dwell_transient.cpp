@@ -63,6 +63,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (states.awaits_reason()) emit(EndedBy::drive_changed);
   states.begin_to_measure();
   live.begin_to_count();
+  errors_in_motion.begin(at.settled_ns);
   windows.forget_left();
   data.take_drive(modes.fit().omega(), {modes.fit().rate(), modes.fit().t0_ns()});
   modes.begin_measuring(hold_now());

@@ -26,6 +26,7 @@
 #include "core/dwell/dwell_draft.hpp"
 #include "core/dwell/dwell_states.hpp"
 #include "core/dwell/dwell_times.hpp"
+#include "core/dwell/errors_in_motion.hpp"
 #include "core/dwell/finished_dwell.hpp"
 #include "core/dwell/history_capacity.hpp"
 #include "core/dwell/pipeline.hpp"
@@ -56,7 +57,8 @@ struct Pipeline::Impl {
         history(history_capacity(live.count()), slices),
         G(observation_matrix(given)),
         provisional_chain(rig, G, slices),
-        modes(rig, reference.stated(), history, provisional_chain) {
+        modes(rig, reference.stated(), history, provisional_chain),
+        errors_in_motion(live.count()) {
     runs.resize(static_cast<std::size_t>(live.count()));
     fitted_channels.resize(static_cast<std::size_t>(live.count()));
   }
@@ -72,6 +74,7 @@ struct Pipeline::Impl {
   const Eigen::MatrixXd G;
   ProvisionalChain provisional_chain;
   TransientModel modes;
+  ErrorsInMotion errors_in_motion;
   std::vector<PlainRun> runs;                  // storage for take_in_block(), by channel
   std::vector<FittedChannel> fitted_channels;  // storage for hold_now()
 
@@ -192,6 +195,10 @@ struct Pipeline::Impl {
   // Takes ω and running sums anew from all data that count, and compares the drive with these from now on.
   void resum();
 
+  // What ErrorsInMotion asks of channel c, about about_ns; `fit` has its phases about t_ref_ns.
+  [[nodiscard]] MovingContext moving_context(int c, HarmonicFit fit, std::int64_t t_ref_ns,
+                                             std::int64_t about_ns) const;
+
   void conclude(int to, bool with_open);
 
   void emit(EndedBy ended_by);
@@ -214,6 +221,7 @@ struct Pipeline::Impl {
   [[nodiscard]] std::vector<ChannelResult> channel_results(const Evaluated& of, bool up_to_now) const;
   [[nodiscard]] double u_omega_of(double u, const ChannelResult& table, double seconds) const;
   void widen_by_folding(std::vector<ChannelResult>& results, double w, double seconds, Dwell& dwell) const;
+  [[nodiscard]] std::string uneven_reason(int c, const ChannelResult& result) const;
   void warn_of_readings(const std::vector<ChannelResult>& results, Dwell& dwell) const;
   void tell_not_settled(Dwell& dwell) const;
   void tell_settled(Dwell& dwell) const;

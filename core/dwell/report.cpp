@@ -26,6 +26,8 @@ double shared_phase_variance(const Rig& rig, const std::vector<ChannelResult>& c
     variance_s2 += std::pow(rig.devices[static_cast<std::size_t>(device)].delay_u_s, 2);
   if (channels[a].transaction >= 0 && channels[a].transaction == channels[b].transaction)
     variance_s2 += channels[a].turnaround_u_s * channels[b].turnaround_u_s;
+  if (channels[a].uneven.with >= 0 && channels[a].uneven.with == channels[b].uneven.with)
+    variance_s2 += channels[a].uneven.shared_s * channels[b].uneven.shared_s;
   return omega * omega * variance_s2;
 }
 
@@ -70,11 +72,14 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       const double u_along = std::sqrt(along.dot(covariance * along)) / amplitude;
       const double u_across = std::sqrt(across.dot(covariance * across)) / amplitude;
       const double transient_u = std::hypot(std::sqrt(0.5 * channels[c].transient.trace()), channels[c].folded_u);
-      out.u_amplitude = std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude,
-                                                                         channels[c].quantization_u / amplitude));
-      out.u_phase_rad = std::hypot(u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
-                                   omega * std::hypot(std::hypot(channel.delay_u_s, channels[c].refresh_u_s),
-                                                      device.delay_u_s, channels[c].turnaround_u_s));
+      out.u_amplitude =
+          std::abs(out.Y) *
+          std::hypot(u_along, std::hypot(std::hypot(channel.scale_u, channels[c].uneven.part), transient_u / amplitude,
+                                         channels[c].quantization_u / amplitude));
+      out.u_phase_rad = std::hypot(
+          u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
+          omega * std::hypot(std::hypot(channel.delay_u_s, channels[c].refresh_u_s, channels[c].uneven.own_s),
+                             device.delay_u_s, std::hypot(channels[c].turnaround_u_s, channels[c].uneven.shared_s)));
       for (int h = 2; h <= H; ++h)
         out.harmonics.push_back(
             std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, device.delay_s, h * omega / kTwoPi)) /
@@ -102,6 +107,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].refresh_u_s = channels[c].refresh_u_s;
+    evidence[c].uneven = channels[c].uneven;
     evidence[c].folded_u = channels[c].folded_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
     evidence[c].transaction = channels[c].transaction;

@@ -7,6 +7,7 @@
 
 #include "core/chain/estimate.hpp"
 #include "core/fit/harmonic_fit.hpp"
+#include "core/fit/moving_errors.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 #include "core/transient/seen_modes.hpp"
@@ -25,6 +26,7 @@ struct ChannelResult {
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();
   double quantization_u = 0.0;  // of the reading, SI, either component: rounding by the device
   double refresh_u_s = 0.0;     // s: of the instants of a slowly refreshed register, independent of other channels
+  UnevenReadings uneven;        // errors that grow with the motion
   double folded_u = 0.0;  // of the reading, SI, either component: harmonics that sampling folds onto the fundamental
   double turnaround_u_s = 0.0;  // s: of the instants by the turnaround …
   int transaction = -1;         // … common to this transaction (Transactions::of)

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSmooths = 0.3;  // steps: noise that smooths the rounding, see the header
 
-struct Line {
+struct RoundedLine {
   RoundingStep rounding;
   bool coarse = false;
   bool heard = false;
@@ -21,9 +21,9 @@ struct Line {
 }  // namespace
 
 std::vector<int> take_level_crossings(const Rig& rig, const std::vector<double>& noise, MotionData& data) {
-  std::vector<Line> lines(rig.channels.size());
+  std::vector<RoundedLine> lines(rig.channels.size());
   for (const MotionReading& reading : data.readings) {
-    Line& line = lines[static_cast<std::size_t>(reading.channel)];
+    RoundedLine& line = lines[static_cast<std::size_t>(reading.channel)];
     if (line.heard) line.rounding.add(reading.value - line.before.value);
     line.heard = true;
     line.before = reading;
@@ -41,7 +41,7 @@ std::vector<int> take_level_crossings(const Rig& rig, const std::vector<double>&
   std::vector<MotionReading> out;
   out.reserve(data.readings.size());
   for (const MotionReading& reading : data.readings) {
-    Line& line = lines[static_cast<std::size_t>(reading.channel)];
+    RoundedLine& line = lines[static_cast<std::size_t>(reading.channel)];
     if (!line.coarse) {
       out.push_back(reading);
       continue;

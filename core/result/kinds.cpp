@@ -18,6 +18,8 @@ const char* to_string(SourceKind kind) noexcept {
       return "scale";
     case SourceKind::refresh:
       return "refresh";
+    case SourceKind::uneven:
+      return "uneven readings";
     case SourceKind::delay:
       return "delay";
     case SourceKind::lowpass:

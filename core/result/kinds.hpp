@@ -15,6 +15,7 @@ enum class SourceKind : std::uint8_t {
   folded_harmonics,  // harmonics of the drive that the sampling folds onto the fundamental
   scale,
   refresh,  // of a register that is renewed seldom
+  uneven,   // errors of readings that grow with the motion
   delay,
   lowpass,
   highpass,

@@ -402,6 +402,57 @@ TEST_F(DisturbedReadings, GarbageThroughoutLeavesNoTimeUntilTheDwellSettles) {
   }
 }
 
+// A stamp that comes late by a random time of up to 0.4 % of a period: r was 16 … 57 % off without a word.
+TEST_F(DisturbedReadings, ReadingsThatComeLateAtRandomAreNamedAndCountedInTheUncertainty) {
+  for (int channel = 0; channel < 4; ++channel) {
+    DrivenChain motion(chain, steady_drive(4), DrivenChain::Start::rest);
+    const Dwell dwell = measured([&](Record& record, double t) {
+      if (record.channel == channel)
+        record.value += exact_reading(rig, motion.at(std::max(0.0, t - 1e-3 * uniform(rng))), channel) -
+                        exact_reading(rig, motion.at(t), channel);
+    });
+    const std::string& name = rig.channels[static_cast<std::size_t>(channel)].name;
+    ASSERT_EQ(dwell.elements.size(), 3u) << name << all(dwell);
+    expect_no_wrong_number(dwell, name, 4);
+    EXPECT_TRUE(says(dwell, name + ": its readings scatter most where it moves fastest")) << all(dwell);
+  }
+}
+
+// As a float32 whose exponent loses a bit: a quarter of the readings is ten times too small. It was 36 u without a
+// word.
+TEST_F(DisturbedReadings, ReadingsThatAreAtTimesOnAnotherScaleAreNamedAndNothingRestsOnThem) {
+  for (int channel = 0; channel < 4; ++channel) {
+    const Dwell dwell = measured([&](Record& record, double) {
+      if (record.channel == channel && uniform(rng) < 0.25) record.value *= 0.1;
+    });
+    const std::string& name = rig.channels[static_cast<std::size_t>(channel)].name;
+    expect_no_wrong_number(dwell, name);
+    EXPECT_TRUE(says(dwell, name)) << all(dwell);
+  }
+}
+
+// Stamps of whole scans that are printed with four digits, or scatter: all channels have the same errors, which cancel.
+TEST_F(DisturbedReadings, UnevenStampsOfWholeScansWithholdNothingAndBlameNobody) {
+  for (const double scatter_s : {1e-4, 1e-3}) {
+    DrivenChain motion(chain, steady_drive(4), DrivenChain::Start::rest);
+    std::int64_t scan_ns = INT64_MIN;
+    double late_s = 0.0;
+    const Dwell dwell = measured([&](Record& record, double t) {
+      if (record.t_ns != scan_ns) late_s = scatter_s * uniform(rng);
+      scan_ns = record.t_ns;
+      record.value += exact_reading(rig, motion.at(std::max(0.0, t - late_s)), record.channel) -
+                      exact_reading(rig, motion.at(t), record.channel);
+    });
+    ASSERT_EQ(dwell.elements.size(), 3u) << scatter_s << all(dwell);
+    expect_no_wrong_number(dwell, std::to_string(scatter_s), 4);
+    for (const ElementEstimate& element : dwell.elements) {
+      EXPECT_TRUE(element.identifiable) << scatter_s << all(dwell);
+      EXPECT_LT(element.damping.U95, 0.1 * element.damping.value) << scatter_s << all(dwell);
+    }
+    EXPECT_FALSE(says(dwell, "scatter most")) << scatter_s << all(dwell);
+  }
+}
+
 TEST_F(DisturbedReadings, HealthyChannelsAreNeverBlamed) {
   int blamed = 0, dwells = 0;
   std::string what;

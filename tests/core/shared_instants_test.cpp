@@ -8,11 +8,11 @@
 namespace dwell {
 namespace {
 
-struct Seen {
+struct SeenInstants {
   double first_s, second_s;  // of transactions 0 and 1
 };
 
-Seen seen(double instant_u_s, int second_transaction, std::uint64_t seed) {
+SeenInstants seen(double instant_u_s, int second_transaction, std::uint64_t seed) {
   FreeMotion motion(seed);
   motion.channels[1].transaction = second_transaction;
   motion.instant_u_s = instant_u_s;
@@ -36,7 +36,7 @@ TEST(SharedInstants, OfNoiseAloneSeesNextToNothing) {
 }
 
 TEST(SharedInstants, OfAChannelReadAloneSeesNothing) {
-  const Seen alone = seen(4e-4, 1, 1);
+  const SeenInstants alone = seen(4e-4, 1, 1);
   EXPECT_EQ(alone.first_s, 0.0);
   EXPECT_EQ(alone.second_s, 0.0);
 }

@@ -109,7 +109,7 @@ void Device::truth(double t_s, std::span<double> values) {
 
 double Device::measured(std::size_t channel, double truth) {
   if (faults.noise > 0.0) truth += faults.noise * full_[channel] * gauss_(random_);
-  truth = reading_faults_.converted(channel, truth);
+  truth = reading_faults_.converted(channel, truth, random_);
   if (const double step = faults.quantize * full_[channel]; step > 0.0) truth = step * std::nearbyint(truth / step);
   truth += reading_faults_.glitch(channel, random_);
   if (faults.invalid > 0.0 && std::bernoulli_distribution(faults.invalid)(random_))
@@ -126,7 +126,7 @@ void Device::read(double t_s, std::span<double> values, int station) {
       continue;
     }
     const std::optional<double> taken_s = reading_faults_.taken_at(i, station, t_s);
-    const double lag_s = reading_faults_.lag_s(i);
+    const double lag_s = reading_faults_.lag_s(i, random_);
     const auto truth_at = [&](double s) {
       before.resize(channels_.size());
       truth(std::max(0.0, s - lag_s), before);

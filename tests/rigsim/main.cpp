@@ -91,8 +91,9 @@ void define(CLI::App& app, Arguments& arguments) {
       "[CHANNEL:]P, probability of a float32 in the wrong order of words; repeatable",
       "CHANNEL:CODE, the low byte of its converter is stuck at 0 ... 255; repeatable",
       "CHANNEL:X[:P], the first reading (with P: with this probability each) is off by X steady amplitudes; repeatable",
-      "CHANNEL:FACTOR, its readings are multiplied by this (-1: reversed); repeatable",
-      "CHANNEL:S, its readings are so late; repeatable",
+      "CHANNEL:FACTOR[:P], its readings (with P: each with this probability) are multiplied by this (-1: reversed); "
+      "repeatable",
+      "CHANNEL:S[:SPREAD], its readings are so late, each by up to SPREAD more at random; repeatable",
       "CHANNEL:CHANNEL, two channels swapped; repeatable"};
   for (std::size_t i = 0; i < arguments.readings.size(); ++i)
     app.add_option("--" + std::string(arguments.readings[i].first), arguments.readings[i].second, kReadings[i]);

@@ -157,13 +157,19 @@ std::optional<std::string> ReadingFaults::set_transducer(const std::vector<std::
     if (!with || *with == channel) return "expected: swap CHANNEL CHANNEL, two different ones";
     swapped_.emplace_back(channel, *with);
   } else if (verb == "scale") {
-    const auto factor = of(-kMostReach, kMostReach);
-    if (!factor || *factor == 0) return "expected: scale CHANNEL FACTOR, not 0 (-1: reversed)";
+    const auto factor = within(words[2], -kMostReach, kMostReach);
+    const auto part = words.size() == 4 ? within(words[3], 0.0, 1.0) : std::optional(1.0);
+    if (!factor || *factor == 0 || words.size() > 4 || !part)
+      return "expected: scale CHANNEL FACTOR [P], not 0 (-1: reversed), P 0 to 1";
     line.scale = *factor;
+    line.scale_part = *part;
   } else if (verb == "lag") {
-    const auto seconds = of(0.0, kMostLag_s);
-    if (!seconds) return "expected: lag CHANNEL S, 0 to 1";
+    const auto seconds = within(words[2], 0.0, kMostLag_s);
+    const auto spread = words.size() == 4 ? within(words[3], 0.0, kMostLag_s) : std::optional(0.0);
+    if (!seconds || words.size() > 4 || !spread || *seconds + *spread > kMostLag_s)
+      return "expected: lag CHANNEL S [SPREAD], together 0 to 1";
     line.lag_s = *seconds;
+    line.lag_spread_s = *spread;
   } else if (verb == "low-byte") {
     const auto code = of(-1, 255);
     if (!code || *code != std::floor(*code)) return "expected: low-byte CHANNEL CODE, 0 to 255 (-1: as it converts)";
@@ -188,9 +194,16 @@ std::optional<double> ReadingFaults::taken_at(std::size_t channel, int station, 
   return refresh_s * std::floor(t_s / refresh_s);
 }
 
-double ReadingFaults::converted(std::size_t channel, double value) const {
+double ReadingFaults::lag_s(std::size_t channel, std::mt19937_64& random) const {
   const Line& line = lines_[channel];
-  value = std::clamp(line.scale * value, line.low, line.high);
+  if (!(line.lag_spread_s > 0)) return line.lag_s;
+  return line.lag_s + std::uniform_real_distribution<double>(0.0, line.lag_spread_s)(random);
+}
+
+double ReadingFaults::converted(std::size_t channel, double value, std::mt19937_64& random) const {
+  const Line& line = lines_[channel];
+  const bool scaled = line.scale_part == 1.0 || std::bernoulli_distribution(line.scale_part)(random);
+  value = std::clamp((scaled ? line.scale : 1.0) * value, line.low, line.high);
   if (line.bits == 0 || !(line.reach > 0)) return value;
   const double codes = std::exp2(line.bits - 1), step = line.reach / codes;
   double code = std::clamp(std::nearbyint(value / step), -codes, codes - 1);

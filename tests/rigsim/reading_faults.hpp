@@ -6,8 +6,8 @@
 // Control lines (rigsim.1), TARGET being "all", a channel's name or a station's number:
 //   refresh TARGET S · sample all|STATION request|middle|answer · clip CHANNEL LOW HIGH ·
 //   converter CHANNEL BITS REACH · low-byte CHANNEL CODE · zeros all|CHANNEL P · repeats all|CHANNEL P ·
-//   stale all|CHANNEL N · freeze all|CHANNEL P S · garbage all|CHANNEL P · glitch CHANNEL X [P] · scale CHANNEL FACTOR
-//   · lag CHANNEL S · swap CHANNEL CHANNEL
+//   stale all|CHANNEL N · freeze all|CHANNEL P S · garbage all|CHANNEL P · glitch CHANNEL X [P] ·
+//   scale CHANNEL FACTOR [P] · lag CHANNEL S [SPREAD] · swap CHANNEL CHANNEL
 #pragma once
 
 #include <map>
@@ -32,10 +32,10 @@ class ReadingFaults {
   // When the register of this channel at this station took the value that it holds at t, s; this may be t itself. None:
   // the register has no refresh, so every reading is a new value. Station 0: no station.
   [[nodiscard]] std::optional<double> taken_at(std::size_t channel, int station, double t_s) const;
-  // How far the channel's reading lags behind the motion, s.
-  [[nodiscard]] double lag_s(std::size_t channel) const { return lines_[channel].lag_s; }
+  // How far the channel's next reading lags behind the motion, s.
+  [[nodiscard]] double lag_s(std::size_t channel, std::mt19937_64& random) const;
   // What scale, clipping and the converter leave of a value, SI.
-  [[nodiscard]] double converted(std::size_t channel, double value) const;
+  [[nodiscard]] double converted(std::size_t channel, double value, std::mt19937_64& random) const;
   // Error of the next reading, added after all rounding, SI; 0: none. Each call counts as one reading.
   [[nodiscard]] double glitch(std::size_t channel, std::mt19937_64& random);
   // Applies swapped channels, zeros, repeats, freezes and garbage, by station. values: in, what the registers hold;
@@ -55,7 +55,8 @@ class ReadingFaults {
     int low_byte = -1;                       // of the converter's code; -1: as it converts
     double glitch = 0.0, glitch_part = 0.0;  // SI; probability
     bool glitch_once = false;
-    double scale = 1.0, lag_s = 0.0;
+    double scale = 1.0, scale_part = 1.0;  // of the readings, the part that it applies to
+    double lag_s = 0.0, lag_spread_s = 0.0;
   };
   struct PassedOn {  // of one channel at one station
     double value = 0.0;

@@ -195,6 +195,21 @@ TEST(ReadingFaults, AChannelIsLateOrOfAnotherScaleOrReversedOrSwapped) {
   EXPECT_EQ(readings(swapped, 2), y1);
 }
 
+TEST(ReadingFaults, AChannelIsLateByARandomTimeOrSomeOfItsReadingsAreOfAnotherScale) {
+  Device late(steady({"lag y1 0 0.01"})), scaled(steady({"scale y1 0.1 0.25"})), exact(steady({}));
+  const std::vector<double> y1 = readings(exact, 1), of_late = readings(late, 1), of_scaled = readings(scaled, 1);
+  std::size_t others = 0;
+  for (std::size_t i = 10; i < y1.size(); ++i) {
+    const auto [least, most] =
+        std::minmax_element(y1.begin() + static_cast<long>(i - 10), y1.begin() + static_cast<long>(i + 1));
+    EXPECT_GE(of_late[i], *least - 1e-4);
+    EXPECT_LE(of_late[i], *most + 1e-4);
+    EXPECT_TRUE(std::abs(of_scaled[i] - y1[i]) < 1e-12 || std::abs(of_scaled[i] - 0.1 * y1[i]) < 1e-12);
+    others += std::abs(of_scaled[i] - y1[i]) > 1e-12;
+  }
+  EXPECT_NEAR(static_cast<double>(others) / static_cast<double>(y1.size()), 0.25, 0.1);
+}
+
 TEST(ReadingFaults, EachStationSamplesWhereInItsTurnaroundItIsTold) {
   Options options = steady({"sample all answer", "sample 2 request", "sample 3 middle"});
   options.faults.latency_s = 0.002;
@@ -207,17 +222,11 @@ TEST(ReadingFaults, EachStationSamplesWhereInItsTurnaroundItIsTold) {
 }
 
 TEST(ReadingFaults, WhatIsWrongWithALineIsSaid) {
-  for (const char* line : {"refresh",          "refresh y9 1",
-                           "refresh all -1",   "sample y1 request",
-                           "sample 1 never",   "clip y1 1 0.5",
-                           "clip all 0 1",     "converter y1 40 1",
-                           "converter y1 8 0", "zeros 2 0.1",
-                           "zeros all 2",      "repeats y1 x",
-                           "stale y1 1",       "freeze y1 0.1",
-                           "garbage y9 1",     "glitch y1",
-                           "scale y1 0",       "lag y1 -1",
-                           "low-byte y1 256",  "swap y1 y1",
-                           "nonsense 1",       ""}) {
+  for (const char* line :
+       {"refresh",      "refresh y9 1",      "refresh all -1",   "sample y1 request", "sample 1 never", "clip y1 1 0.5",
+        "clip all 0 1", "converter y1 40 1", "converter y1 8 0", "zeros 2 0.1",       "zeros all 2",    "repeats y1 x",
+        "stale y1 1",   "freeze y1 0.1",     "garbage y9 1",     "glitch y1",         "scale y1 0",     "lag y1 -1",
+        "scale y1 2 3", "lag y1 0.5 0.6",    "low-byte y1 256",  "swap y1 y1",        "nonsense 1",     ""}) {
     Options options;
     options.lines = {line};
     EXPECT_NE(Device::fault(options), "") << line;
