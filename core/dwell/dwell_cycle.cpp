@@ -40,11 +40,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     states.set_unconfirmed(modes.unconfirmed());
     // While the newest quarters may hold another drive, ω is not refined from them.
     if (!data.sums_valid() || (data.wants_refining() && doubtful_quarters() == 0)) resum();
-    if (doubtful_quarters() > 0 || !data.sums_valid() || !errors_in_motion.due(end_ns, period_s())) return;
-    HarmonicFits fits(data.sums(), harmonics());
-    errors_in_motion.go_on(history, end_ns, [&](int c, std::int64_t about_ns) {
-      return moving_context(c, fits.fit(c, blocks().reference(c)), data.sums().t_ref_ns(), about_ns);
-    });
+    if (doubtful_quarters() == 0 && errors_in_motion.due(end_ns, period_s()))
+      look_for_moving_errors(blocks().count(), false);
   }
 }
 
@@ -210,22 +207,47 @@ void Pipeline::Impl::refresh_reference() {
   for (int c = 0; c < live.count(); ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }
 
-MovingContext Pipeline::Impl::moving_context(int c, HarmonicFit fit, std::int64_t t_ref_ns,
-                                             std::int64_t about_ns) const {
+ErrorsInMotion::About Pipeline::Impl::about_moving(int c, HarmonicFit fit, std::int64_t t_ref_ns,
+                                                   std::int64_t about_ns) const {
+  const SamplingRegularity& sampling = live[c].sampling();
   const double phase = omega() * to_s(about_ns - t_ref_ns) + data.bend(about_ns), step = live[c].intake().step();
   for (int h = 1; h <= harmonics(); ++h) fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * phase);
-  return {.fit = fit,
-          .t_ref_ns = about_ns,
-          .omega = data.omega_at(about_ns, omega()),
-          .known_instants_s = std::hypot(live[c].turnaround_u_s(), live[c].intake().refresh_half_s()),
-          .rounding = std::isfinite(step) ? step : 0.0};
+  // The square of hum at half an alias of 2ω would look like errors that grow with the motion.
+  for (const double line : kMainsFundamentals_hz)
+    fit.usable = fit.usable && sampling.distance_hz(2 * line, omega() / std::numbers::pi) >
+                                   2 * kMainsWander_hz + 1 / to_s(now_ns - at.settled_ns);
+  return {{.fit = fit,
+           .t_ref_ns = about_ns,
+           .omega = data.omega_at(about_ns, omega()),
+           .interval_s = every(c) * sampling.interval_s(),
+           .rounding = std::isfinite(step) ? step : 0.0},
+          std::hypot(live[c].turnaround_u_s(), live[c].intake().refresh_half_s() / std::numbers::sqrt3)};
+}
+
+void Pipeline::Impl::look_for_moving_errors(int to, bool at_once) {
+  struct Ask {
+    Impl& of;
+    int to;
+    bool by_sums;
+    mutable HarmonicFits fits;
+    [[nodiscard]] int every(int c) const { return of.every(c); }
+    [[nodiscard]] double transient(int c, std::int64_t t_ns) const { return of.modes.transient(c, t_ns); }
+    [[nodiscard]] ErrorsInMotion::About about(int c, std::int64_t about_ns) const {
+      if (by_sums)
+        return of.about_moving(c, fits.fit(c, of.blocks().reference(c)), of.data.sums().t_ref_ns(), about_ns);
+      return of.about_moving(c, of.data.fit(c, 0, to, of.omega(), about_ns), about_ns, about_ns);
+    }
+  };
+  const Ask ask{*this, to, data.sums_valid() && to == blocks().count(), {data.sums(), harmonics()}};
+  const std::int64_t from_ns = blocks().block(0).begin_ns, end_ns = blocks().block(to - 1).end_ns;
+  if (at_once)
+    errors_in_motion.look(history, from_ns, end_ns, ask);
+  else
+    errors_in_motion.go_on(history, from_ns, end_ns, ask);
 }
 
 void Pipeline::Impl::conclude(int to, bool with_open) {
-  if (states.measuring() && to > 0)
-    errors_in_motion.look(history, blocks().block(to - 1).end_ns, [&](int c, std::int64_t about_ns) {
-      return moving_context(c, data.fit(c, 0, to, omega(), about_ns), about_ns, about_ns);
-    });
+  if (states.measuring() && to > 0) look_for_moving_errors(to, true);
   finished.keep(evaluate(to, with_open, false), at.armed_ns, omega());
 }
 

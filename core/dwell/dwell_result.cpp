@@ -18,10 +18,10 @@ constexpr double kFarthest = 100.0;
 // wrong order of words has 6 to 9 % left out. A gateway's zeros are at most 2 % where the poles are still right.
 // Halved, it comes near those zeros. Doubled, it misses the float32.
 constexpr double kMostForeign = 0.05;
-// Largest mean of errors over their standard deviation: that of errors between 0 and a largest one, all equally likely,
-// and of an error that three quarters of the readings have. The mean of all is not known.
+// Assumed mean of errors over their standard deviation: right if they lie evenly between 0 and a largest one, or if
+// three quarters of the readings have one and the same. More than that is not covered.
 constexpr double kMeanOverScatter = std::numbers::sqrt3;
-// From this part of a phasor's other relative uncertainty on, uneven readings are told.
+// From this part of a phasor's other uncertainty on, uneven readings are told.
 constexpr double kUnevenMatters = 0.5;
 
 double foreign_part(const LiveChannels& live, const Rig& rig) {
@@ -179,32 +179,30 @@ void Pipeline::Impl::warn_of_readings(const std::vector<ChannelResult>& results,
       dwell.warnings.push_back({WarningKind::readings, name + ": " + of, {}, {name}});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
-    if (const std::string reason = uneven_reason(c, results[i]); !reason.empty()) warn(reason);
+    for (const std::string& reason : uneven_reasons(c, results[i], dwell.phasors[i])) warn(reason);
     if (!(results[i].quantization_u > 0)) continue;  // noise smooths the steps of rounding
     if (const std::string reason = live[c].intake().coarse_reason(); !reason.empty()) warn(reason);
   }
 }
 
-// How the errors that grow with the motion show, in words; empty: they do not matter beside the other uncertainties.
-std::string Pipeline::Impl::uneven_reason(int c, const ChannelResult& result) const {
-  if (!result.fit.usable) return "";
-  const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
-  const double amplitude = std::abs(result.fit.X[0]),
-               other = std::hypot(std::sqrt(0.5 * result.fit.covariance.trace()) / amplitude, channel.scale_u,
-                                  omega() * std::hypot(channel.delay_u_s, result.turnaround_u_s, result.refresh_u_s));
-  if (omega() * result.uneven.own_s > kUnevenMatters * other)
-    return "its readings scatter most where it moves fastest, as if their instants were off by " +
-           brief(1e3 * errors_in_motion.own_s(c), 2) +
-           " ms (rms): they come late, are repeated or are stamped unevenly. All may be late by more or less than"
-           " stated, so u counts " +
-           brief(1e3 * result.uneven.own_s, 2) + " ms";
-  if (result.uneven.part > kUnevenMatters * other)
-    return "its readings scatter most where it turns, as if each were off by a part of itself, " +
-           percent(errors_in_motion.part(c)) +
-           " (rms): some are far from the others, on another scale or zero. All may be too small or too large, so u"
-           " counts " +
-           percent(result.uneven.part);
-  return "";
+// How the errors that grow with the motion show, in words, where they matter beside the phasor's other uncertainty.
+std::vector<std::string> Pipeline::Impl::uneven_reasons(int c, const ChannelResult& result,
+                                                        const ChannelPhasor& phasor) const {
+  std::vector<std::string> reasons;
+  const auto matters = [](double u, double all) {
+    return u > kUnevenMatters * std::sqrt(std::max(0.0, all * all - u * u));
+  };
+  if (matters(omega() * result.uneven.own_s, phasor.u_phase_rad))
+    reasons.push_back("its readings scatter most where it moves fastest, as if each were taken at a wrong time, " +
+                      brief(1e3 * errors_in_motion.own_s(c), 2) +
+                      " ms (rms). The mean delay may be wrong too: u includes " + brief(1e3 * result.uneven.own_s, 2) +
+                      " ms for it. Check stamps, repeats and polling, and whether it is clipped");
+  if (matters(result.uneven.part, phasor.u_amplitude / std::abs(phasor.Y)))
+    reasons.push_back(
+        "its readings scatter most at the turning points, as if the gain varied from reading to reading, by " +
+        percent(errors_in_motion.part(c)) + " (rms). The mean gain may be wrong too: u includes " +
+        percent(result.uneven.part) + " for it. Look for zeros, outliers, changes of range or wrong bytes");
+  return reasons;
 }
 
 // A dwell without coefficients: says why, and how long it may last.

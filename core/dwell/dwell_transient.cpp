@@ -99,6 +99,7 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   if (const auto counts_ns = modes.mend(end_ns, hold_now(), verdict)) {
     at.settled_ns = *counts_ns;
     at.verdict_ns = end_ns;
+    errors_in_motion.begin(at.settled_ns);
     return true;
   }
   verdict.settled = false;

@@ -1,21 +1,27 @@
 #include "core/dwell/errors_in_motion.hpp"
 
 #include <algorithm>
-#include <utility>
+#include <cmath>
 
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
 
 namespace dwell {
 namespace {
 
-// Readings looked at. Halved, errors must be a third larger beside the noise; doubled, a look takes 5 ms.
+// Readings looked at, of all channels and of one. Halved, errors must be a fifth larger beside the noise to be found;
+// doubled, a look takes twice as long.
 constexpr std::size_t kMostLookedAt = 65'536, kMostOfChannel = 4096;
-// Periods of data before the first look: with fewer, most channels have fewer pairs than it takes.
+// Periods of data before the first look: with fewer, most channels have too few readings.
 constexpr double kFirstLook = 12.0;
-
-// Channels whose instants are compared with those of all others, at a look. Halved, more channels are taken for uneven
-// each by itself where scans have several stamps; doubled, a look takes 5 ms.
+// Channels whose instants are compared with those of all others, at a look. Halved, the fifth and later groups of
+// stamps count as errors of each channel alone. Doubled, 64 channels of as many stamps take 2 ms longer.
 constexpr int kMostLeads = 8;
+
+// The variance of instants beyond what the budget has, s².
+double beyond_known(const MovingChannel& seen) noexcept {
+  return seen.errors.instants_s * seen.errors.instants_s - seen.known_s * seen.known_s;
+}
 
 }  // namespace
 
@@ -23,6 +29,7 @@ ErrorsInMotion::ErrorsInMotion(int channels)
     : most_(std::min(kMostOfChannel, kMostLookedAt / static_cast<std::size_t>(std::max(channels, 1)))),
       readings_(most_ * static_cast<std::size_t>(channels)),
       counts_(static_cast<std::size_t>(channels)),
+      passed_(static_cast<std::size_t>(channels)),
       seen_(static_cast<std::size_t>(channels)),
       found_(static_cast<std::size_t>(channels)),
       grouped_(static_cast<std::size_t>(channels)),
@@ -39,38 +46,39 @@ bool ErrorsInMotion::due(std::int64_t now_ns, double period_s) const noexcept {
          now_ns - looked_ns_ >= std::max(looked_ns_ - settled_ns_, to_ns(kFirstLook * period_s));
 }
 
-void ErrorsInMotion::begin_look(const SampleHistory& history, std::int64_t until_ns) noexcept {
-  looked_ns_ = until_ns;
-  next_ = 0;
-  std::fill(counts_.begin(), counts_.end(), std::size_t{0});
-  const std::uint64_t end = history.first_at(until_ns);
-  const std::uint64_t first = std::max(history.begin(), history.first_at(settled_ns_));
-  const std::uint64_t from = std::max(first, end - std::min<std::uint64_t>(end, readings_.size()));
-  if (from >= end) return;
-  for (std::uint64_t number = from; number < end; ++number) {
-    const SampleHistory::Sample& sample = history[number];
-    const auto c = static_cast<std::size_t>(sample.channel);
-    if (counts_[c] < most_) readings_[c * most_ + counts_[c]++] = {.t_ns = sample.t_ns, .value = sample.value};
+void ErrorsInMotion::join(std::size_t lead, std::size_t channel, double shared_s) noexcept {
+  const int group = found_[lead].with >= 0 ? found_[lead].with : static_cast<int>(lead);
+  const int before = found_[channel].with;
+  found_[lead].with = found_[channel].with = group;
+  for (Found& found : found_) {
+    if (found.with != group && (before < 0 || found.with != before)) continue;
+    found.with = group;
+    shared_s = std::max(shared_s, found.shared_s);
   }
-  about_ns_ = history[from].t_ns + (until_ns - history[from].t_ns) / 2;
+  for (Found& found : found_)
+    if (found.with == group) found.shared_s = shared_s;
+  // What it has shown alone is explained now.
+  found_[lead].own_s = found_[channel].own_s = 0.0;
 }
 
 void ErrorsInMotion::keep() noexcept {
   int leads = 0;
   std::fill(grouped_.begin(), grouped_.end(), false);
   for (std::size_t c = 0; c < seen_.size(); ++c) {
-    const MovingErrors& errors = seen_[c].errors;
-    Found& found = found_[c];
-    found.part = std::max(found.part, errors.part);
-    if (!(errors.instants_s > 0) || grouped_[c]) continue;
-    found.instants_s = std::max(found.instants_s, errors.instants_s);
-    if (++leads > kMostLeads) continue;
-    for (std::size_t other = 0; other < seen_.size(); ++other) {
-      if (other == c || grouped_[other] || !share_instants(seen_[c], seen_[other], omega_)) continue;
+    const MovingChannel& seen = seen_[c];
+    found_[c].part = std::max(found_[c].part, seen.errors.part);
+    if (!(seen.errors.instants_s > 0) || grouped_[c]) continue;
+    const double own_s2 = beyond_known(seen);
+    bool alone = true;
+    for (std::size_t other = 0; leads < kMostLeads && other < seen_.size(); ++other) {
+      if (other == c || grouped_[other] || !share_instants(seen, seen_[other], omega_)) continue;
       grouped_[other] = true;
-      found_[other].with = found.with = static_cast<int>(c);
-      found.instants_s = std::max(found.instants_s, std::exchange(found_[other].instants_s, 0.0));
+      alone = false;
+      join(c, other, std::sqrt(std::max({0.0, own_s2, beyond_known(seen_[other])})));
     }
+    ++leads;
+    if (alone && own_s2 > sigmas::kSure * seen.errors.instants_u2)
+      found_[c].own_s = std::max(found_[c].own_s, std::sqrt(own_s2));
   }
 }
 

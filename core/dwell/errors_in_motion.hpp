@@ -1,8 +1,8 @@
 // Looks for errors of the readings that grow with the motion, channel by channel, while a dwell's data count.
 //
 // It looks at the newest readings: first after twelve periods, then each time the data have become twice as long, and
-// at the dwell's end. So a sample's cost does not grow with the dwell. A look takes some channels at a time, so that no
-// turn is long. What was found once holds for the whole dwell, whose data it is in.
+// at the dwell's end. So the cost is a constant number of readings each time. While the dwell goes on, a look is spread
+// over several calls; at its end it is done at once. What is found holds for the rest of the dwell.
 #pragma once
 
 #include <algorithm>
@@ -23,67 +23,104 @@ class ErrorsInMotion {
 
   // The data count from settled_ns on. Nothing is found yet.
   void begin(std::int64_t settled_ns) noexcept;
-  // Whether a look is on, or data up to now_ns are to be looked at. period_s: of the drive.
+  // Whether go_on() has work: a look is not finished, or the next is due. period_s: of the drive.
   [[nodiscard]] bool due(std::int64_t now_ns, double period_s) const noexcept;
-  // Begins a look at the newest readings before until_ns, unless one is on, and goes on with it. context(c, about_ns):
-  // of channel c, its fit's phases about about_ns. At most 65 536 readings are gathered, and some 16 000 of them judged
-  // in one call, 50 ns each.
-  template <class Context>
-  void go_on(const SampleHistory& history, std::int64_t until_ns, const Context& context) noexcept {
-    if (next_ == seen_.size()) begin_look(history, until_ns);
-    for (std::size_t judged = 0; next_ < seen_.size() && judged < kAtOnce; judged += counts_[next_++]) {
-      const MovingContext of = context(static_cast<int>(next_), about_ns_);
-      seen_[next_] = {of_channel(next_), std::abs(of.fit.X[0]), moving_errors(of_channel(next_), of)};
-      omega_ = of.omega;
-    }
+
+  // What a look needs to know of a channel.
+  struct About {
+    MovingContext context;
+    double known_s = 0.0;  // standard deviation of its instants that the budget has already
+  };
+  // Readings of channel c that a look takes: every so many, so that a period has fifty or less. interval_s: between its
+  // readings.
+  [[nodiscard]] static int every(double interval_s, double period_s) noexcept {
+    return std::max(1, static_cast<int>(period_s / (kInPeriod * std::max(interval_s, 1e-9))));
+  }
+  // Goes on with a look at the readings in [from_ns, until_ns), or begins it. ask.every(c): see every().
+  // ask.transient(c, t_ns): what of the reading is known to be transient, SI. ask.about(c, about_ns): its fit's phases
+  // about about_ns. Beginning takes 1 ms for half a million samples, judging 16 000 readings 2 ms.
+  template <class Ask>
+  void go_on(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, const Ask& ask) noexcept {
+    if (next_ == seen_.size()) gather(history, from_ns, until_ns, ask);
+    for (std::size_t judged = 0; next_ < seen_.size() && judged < kAtOnce; judged += counts_[next_++])
+      judge(static_cast<int>(next_), ask);
     if (next_ == seen_.size()) keep();
   }
-  // A whole look at the newest readings before until_ns.
-  template <class Context>
-  void look(const SampleHistory& history, std::int64_t until_ns, const Context& context) noexcept {
+  // A whole look.
+  template <class Ask>
+  void look(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, const Ask& ask) noexcept {
     next_ = seen_.size();
-    do go_on(history, until_ns, context);
+    do go_on(history, from_ns, until_ns, ask);
     while (next_ < seen_.size());
   }
 
-  // Standard deviations of what was found. part: errors of the channel's readings, as a part of themselves.
+  // Standard deviations of what was found. part: of the channel's gain, relative.
   [[nodiscard]] double part(int channel) const noexcept { return found(channel).part; }
-  // Of instants, s: of this channel's own, and of those that it shares with others, which have the same `with`; -1:
-  // with none. What they share is the same number for all of them.
-  [[nodiscard]] double own_s(int channel) const noexcept {
-    return found(channel).with == channel ? 0.0 : found(channel).instants_s;
-  }
-  [[nodiscard]] double shared_s(int channel) const noexcept {
-    return with(channel) < 0 ? 0.0 : found(with(channel)).instants_s;
-  }
+  // Of instants, s: of this channel's own, and of those of its group. Channels with the same with() are a group, and
+  // have the same shared_s(); -1: no group.
+  [[nodiscard]] double own_s(int channel) const noexcept { return found(channel).own_s; }
+  [[nodiscard]] double shared_s(int channel) const noexcept { return found(channel).shared_s; }
   [[nodiscard]] int with(int channel) const noexcept { return found(channel).with; }
 
  private:
   struct Found {
-    double part = 0.0;
-    double instants_s = 0.0;  // own; of the channel `with`: what all of these share
+    double part = 0.0, own_s = 0.0, shared_s = 0.0;
     int with = -1;
   };
-  [[nodiscard]] const Found& found(int channel) const noexcept { return found_[static_cast<std::size_t>(channel)]; }
-  static constexpr std::size_t kAtOnce = 16'384;  // readings judged in one call: a millisecond
+  static constexpr double kInPeriod = 50.0;       // readings
+  static constexpr std::size_t kAtOnce = 16'384;  // readings judged in one call
 
-  // Sorts the newest readings by channel.
-  void begin_look(const SampleHistory& history, std::int64_t until_ns) noexcept;
+  [[nodiscard]] const Found& found(int channel) const noexcept { return found_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] std::span<MovingReading> of_channel(std::size_t c) noexcept {
-    return std::span(readings_).subspan(c * most_, counts_[c]);
+    return std::span(readings_).subspan((c + 1) * most_ - counts_[c], counts_[c]);
+  }
+  // The newest readings of each channel, from the end of its room on downwards.
+  template <class Ask>
+  void gather(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, const Ask& ask) noexcept {
+    looked_ns_ = until_ns;
+    next_ = 0;
+    std::fill(counts_.begin(), counts_.end(), std::size_t{0});
+    std::fill(passed_.begin(), passed_.end(), 0);
+    std::size_t full = 0;
+    const std::uint64_t first = history.first_at(from_ns);
+    for (std::uint64_t number = history.first_at(until_ns); number > first && full < counts_.size();) {
+      const SampleHistory::Sample& sample = history[--number];
+      const auto c = static_cast<std::size_t>(sample.channel);
+      if (sample.held_up || counts_[c] == most_ || passed_[c]++ % ask.every(sample.channel) != 0) continue;
+      readings_[(c + 1) * most_ - ++counts_[c]] = {.t_ns = sample.t_ns, .value = sample.value};
+      full += counts_[c] == most_ ? 1 : 0;
+    }
+  }
+  template <class Ask>
+  void judge(int channel, const Ask& ask) noexcept {
+    const auto c = static_cast<std::size_t>(channel);
+    const std::span<MovingReading> readings = of_channel(c);
+    seen_[c] = MovingChannel{};
+    seen_[c].readings = readings;
+    if (readings.empty()) return;
+    for (MovingReading& reading : readings) reading.value -= ask.transient(channel, reading.t_ns);
+    const std::int64_t first_ns = readings.front().t_ns;
+    const About about = ask.about(channel, first_ns + (readings.back().t_ns - first_ns) / 2);
+    omega_ = about.context.omega;
+    seen_[c].amplitude = std::abs(about.context.fit.X[0]);
+    seen_[c].known_s = about.known_s;
+    seen_[c].errors = moving_errors(readings, about.context);
   }
   // Takes what is seen into what is found.
   void keep() noexcept;
+  // Makes the channel's group that of `lead`, with these errors at least.
+  void join(std::size_t lead, std::size_t channel, double shared_s) noexcept;
 
   std::size_t most_;                     // readings of a channel
   std::vector<MovingReading> readings_;  // most_ for each channel
   std::vector<std::size_t> counts_;
+  std::vector<int> passed_;
   std::vector<MovingChannel> seen_;
   std::vector<Found> found_;
-  std::vector<bool> grouped_;  // at this look: with a channel before
+  std::vector<bool> grouped_;  // at this look
   std::size_t next_;           // channel that the look has come to; all: no look is on
   double omega_ = 0.0;         // at the last look, rad/s
-  std::int64_t settled_ns_ = 0, looked_ns_ = 0, about_ns_ = 0;
+  std::int64_t settled_ns_ = 0, looked_ns_ = 0;
 };
 
 }  // namespace dwell

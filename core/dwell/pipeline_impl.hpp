@@ -195,9 +195,12 @@ struct Pipeline::Impl {
   // Takes ω and running sums anew from all data that count, and compares the drive with these from now on.
   void resum();
 
-  // What ErrorsInMotion asks of channel c, about about_ns; `fit` has its phases about t_ref_ns.
-  [[nodiscard]] MovingContext moving_context(int c, HarmonicFit fit, std::int64_t t_ref_ns,
-                                             std::int64_t about_ns) const;
+  // Looks for errors that grow with the motion in the blocks before `to`: at once, or a part of the look.
+  void look_for_moving_errors(int to, bool at_once);
+  [[nodiscard]] int every(int c) const { return ErrorsInMotion::every(live[c].sampling().interval_s(), period_s()); }
+  // What the look asks of channel c, about about_ns; `fit` has its phases about t_ref_ns.
+  [[nodiscard]] ErrorsInMotion::About about_moving(int c, HarmonicFit fit, std::int64_t t_ref_ns,
+                                                   std::int64_t about_ns) const;
 
   void conclude(int to, bool with_open);
 
@@ -221,7 +224,8 @@ struct Pipeline::Impl {
   [[nodiscard]] std::vector<ChannelResult> channel_results(const Evaluated& of, bool up_to_now) const;
   [[nodiscard]] double u_omega_of(double u, const ChannelResult& table, double seconds) const;
   void widen_by_folding(std::vector<ChannelResult>& results, double w, double seconds, Dwell& dwell) const;
-  [[nodiscard]] std::string uneven_reason(int c, const ChannelResult& result) const;
+  [[nodiscard]] std::vector<std::string> uneven_reasons(int c, const ChannelResult& result,
+                                                        const ChannelPhasor& phasor) const;
   void warn_of_readings(const std::vector<ChannelResult>& results, Dwell& dwell) const;
   void tell_not_settled(Dwell& dwell) const;
   void tell_settled(Dwell& dwell) const;

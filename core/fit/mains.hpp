@@ -40,6 +40,8 @@ class SamplingRegularity {
     }
     for (std::size_t i = 0; i < steps; ++i) add(step_s);
   }
+  // Mean interval between two readings, s; 0: none is known.
+  [[nodiscard]] double interval_s() const noexcept { return mean_s_; }
   // Distance of f_hz from the line or its nearest alias, Hz. An alias that jitter spreads by 3 rad is left out.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
     double least = std::abs(line_hz - f_hz);

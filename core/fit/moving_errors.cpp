@@ -1,8 +1,9 @@
 #include "core/fit/moving_errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
+#include <complex>
 
 #include "core/base/angle.hpp"
 #include "core/base/chance.hpp"
@@ -11,101 +12,157 @@
 namespace dwell {
 namespace {
 
-// Readings of a period, at least. With fewer the curvature of a drive's swinging amplitude is no longer small, and a
-// reading one period later may lie at another place of a harmonic that is not fitted.
-constexpr double kFewestInPeriod = 12.0;
-// Pairs of readings, at least: the normal approximation of the sum's distribution.
-constexpr int kFewestPairs = 200;
-// Of white errors, the variance of e over theirs; and the largest overlap of the sums: see the header.
-constexpr double kKept = 3.0, kOverlap = 4.0;
+using Complex = std::complex<double>;
 
-void fill_residuals(std::span<MovingReading> readings, const MovingContext& context, int harmonics) noexcept {
-  const std::complex<double> own = context.fit.X[0] / std::abs(context.fit.X[0]);
+// Readings of a period, at least. Of an amplitude that swings by 1 % a cubic leaves 6e-5 at sixteen a period, at eight
+// 9e-4: as much as noise.
+constexpr double kFewestInPeriod = 16.0;
+// Readings with neighbours, at least, so that the sum of x is normal.
+constexpr int kFewestReadings = 200;
+// Largest variance of Σ x over Σ x²: see the header.
+constexpr double kCorrelated = 2.71;
+// Largest Σ w²: beyond it neighbours are so near each other that the cubic is bent by their noise.
+constexpr double kMostKept = 4.0;
+
+void fill_residuals(std::span<MovingReading> readings, const MovingContext& context) noexcept {
+  const Complex own = context.fit.X[0] / std::abs(context.fit.X[0]);
+  int harmonics = kMaxHarmonics;
+  while (harmonics > 1 && context.fit.X[static_cast<std::size_t>(harmonics - 1)] == Complex{}) --harmonics;
   for (MovingReading& reading : readings) {
-    const double theta = context.omega * to_s(reading.t_ns - context.t_ref_ns);
-    const std::complex<double> turn = std::polar(1.0, theta);
-    std::complex<double> power = turn;
+    const Complex turn = std::polar(1.0, context.omega * to_s(reading.t_ns - context.t_ref_ns)), at = turn * own;
+    Complex power = turn;
     double motion = context.fit.mean;
     for (int h = 0; h < harmonics; ++h, power *= turn)
       motion += (context.fit.X[static_cast<std::size_t>(h)] * power).imag();
-    const std::complex<double> at = turn * own;
     reading.sine = at.imag();
     reading.cosine = at.real();
     reading.residual = reading.value - motion;
   }
 }
 
-// NaN at either end and where a neighbour is farther than `most_ns`.
-void fill_curvatures(std::span<MovingReading> readings, std::int64_t most_ns) noexcept {
+using Harmonics = std::array<Complex, kMaxHarmonics>;
+
+// Takes from the residuals what repeats with the motion, up to `harmonics`, and returns it: amplitudes and phases about
+// ψ, as those of sines. Over many periods the harmonics are nearly orthogonal, so a second pass removes what the first
+// has mixed.
+Harmonics take_out_harmonics(std::span<MovingReading> readings, int harmonics) noexcept {
+  Harmonics taken{};
+  const double scale = 2.0 / static_cast<double>(readings.size());
+  for (int pass = 0; pass < 2; ++pass) {
+    Harmonics sums{};
+    for (const MovingReading& reading : readings) {
+      const Complex turn{reading.cosine, -reading.sine};
+      Complex power = turn;
+      for (int h = 0; h < harmonics; ++h, power *= turn) sums[static_cast<std::size_t>(h)] += reading.residual * power;
+    }
+    for (MovingReading& reading : readings) {
+      const Complex turn{reading.cosine, reading.sine};
+      Complex power = turn;
+      for (int h = 0; h < harmonics; ++h, power *= turn)
+        reading.residual -= scale * (sums[static_cast<std::size_t>(h)] * power).real();
+    }
+    for (std::size_t h = 0; h < taken.size(); ++h) taken[h] += Complex{0.0, scale} * sums[h];
+  }
+  return taken;
+}
+
+// Bound of m by harmonics beyond those taken out. Friction switches a force, so its harmonics fall as 1/h, no motion
+// has slower ones. From the mean square of harmonics 5 … 8 the others have together eight times as much at most, and
+// the cubic keeps four times as much of the highest as of noise.
+double by_higher_harmonics(const HarmonicFit& fit, const Harmonics& taken, int harmonics) noexcept {
+  constexpr int kFirst = 5;
+  const Complex own = std::conj(fit.X[0]) / std::abs(fit.X[0]);
+  double squares = 0.0;
+  for (int h = kFirst; h <= harmonics; ++h) {
+    const auto at = static_cast<std::size_t>(h - 1);
+    squares += std::norm(fit.X[at] * std::pow(own, h) + taken[at]);
+  }
+  return harmonics < kFirst ? 0.0 : 0.5 * 8 * 4 * squares / (harmonics - kFirst + 1);
+}
+
+double cos_twice_between(const MovingReading& a, const MovingReading& b) noexcept {
+  const double between = a.cosine * b.cosine + a.sine * b.sine;
+  return 2 * between * between - 1;
+}
+
+// Where a neighbour is missing, or the five lie too unevenly, s is NaN.
+void fill_sharpness(std::span<MovingReading> readings, double interval_s) noexcept {
+  constexpr std::size_t kSide = 2;
+  const double farthest_s = 3 * interval_s;
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    readings[i].curvature = kNaN;
-    if (i == 0 || i + 1 == readings.size()) continue;
-    const MovingReading &before = readings[i - 1], &after = readings[i + 1];
-    const std::int64_t apart_ns = after.t_ns - before.t_ns;
-    if (apart_ns <= 0 || apart_ns > most_ns) continue;
-    const double of_before = static_cast<double>(after.t_ns - readings[i].t_ns) / static_cast<double>(apart_ns);
-    readings[i].curvature = readings[i].residual - of_before * before.residual - (1 - of_before) * after.residual;
+    MovingReading& reading = readings[i];
+    reading.sharpness = kNaN;
+    if (i < kSide || i + kSide >= readings.size()) continue;
+    const std::array<const MovingReading*, 4> near = {&readings[i - 2], &readings[i - 1], &readings[i + 1],
+                                                      &readings[i + 2]};
+    std::array<double, 4> t{};
+    for (std::size_t k = 0; k < 4; ++k) t[k] = to_s(near[k]->t_ns - reading.t_ns);
+    if (-t[0] > farthest_s || t[3] > farthest_s) continue;
+    double prediction = 0.0;
+    reading.kept = reading.kappa = 1.0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      double weight = 1.0;  // of the cubic, at 0
+      for (std::size_t other = 0; other < 4; ++other)
+        if (other != k) weight *= t[other] / (t[other] - t[k]);
+      prediction += weight * near[k]->residual;
+      reading.kept += weight * weight;
+      reading.kappa += weight * weight * cos_twice_between(reading, *near[k]);
+    }
+    if (reading.kept < kMostKept) reading.sharpness = reading.residual - prediction;
   }
 }
 
-// The reading one period later is the nearest to it, within nearest_ns.
-void fill_changes(std::span<MovingReading> readings, std::int64_t period_ns, std::int64_t nearest_ns) noexcept {
-  std::size_t j = 0;
-  for (MovingReading& reading : readings) {
-    reading.change = kNaN;
-    const std::int64_t wanted = reading.t_ns + period_ns;
-    while (j < readings.size() && readings[j].t_ns < wanted) ++j;
-    if (j == readings.size()) continue;
-    const std::size_t nearest = j > 0 && wanted - readings[j - 1].t_ns < readings[j].t_ns - wanted ? j - 1 : j;
-    if (std::abs(readings[nearest].t_ns - wanted) <= nearest_ns)
-      reading.change = readings[nearest].curvature - reading.curvature;
-  }
-}
+// What all readings together show of x.
+struct Sums {
+  double mean = 0.0, u = 0.0;  // of x, and standard uncertainty
+  double kappa = 0.0;          // mean
+  double count = 0.0;
+};
 
-double cos_2psi(const MovingReading& reading) noexcept {
-  return reading.cosine * reading.cosine - reading.sine * reading.sine;
+Sums sums_of(std::span<const MovingReading> readings) noexcept {
+  Sums out;
+  double squares = 0.0;
+  for (const MovingReading& reading : readings) {
+    if (!std::isfinite(reading.sharpness)) continue;
+    out.count += 1.0;
+    squares += reading.sharpness * reading.sharpness;
+    out.kappa += reading.kappa;
+  }
+  double sum = 0.0, sum2 = 0.0;
+  for (const MovingReading& reading : readings) {
+    if (!std::isfinite(reading.sharpness)) continue;
+    const double cos_2psi = reading.cosine * reading.cosine - reading.sine * reading.sine;
+    const double x = -(reading.sharpness * reading.sharpness - squares / out.count) * cos_2psi;
+    sum += x;
+    sum2 += x * x;
+  }
+  if (!(out.count > 0)) return out;
+  out.kappa /= out.count;
+  out.mean = sum / out.count;
+  out.u = std::sqrt(kCorrelated * std::max(0.0, sum2 / out.count - out.mean * out.mean) / out.count);
+  return out;
 }
 
 }  // namespace
 
 MovingErrors moving_errors(std::span<MovingReading> readings, const MovingContext& context) noexcept {
-  MovingErrors none;
-  const double amplitude = std::abs(context.fit.X[0]), period_s = kTwoPi / context.omega;
-  if (readings.size() < kFewestPairs || !context.fit.usable || !(amplitude > 0)) return none;
-  const double span_s = to_s(readings.back().t_ns - readings.front().t_ns);
-  const double in_period = static_cast<double>(readings.size()) * period_s / std::max(span_s, 1e-9);
-  if (!(in_period >= kFewestInPeriod) || !(span_s > 2 * period_s)) return none;
-  int harmonics = kMaxHarmonics;
-  while (harmonics > 1 && context.fit.X[static_cast<std::size_t>(harmonics - 1)] == std::complex<double>{}) --harmonics;
-  fill_residuals(readings, context, harmonics);
-  const auto interval_ns = static_cast<std::int64_t>(1e9 * period_s / in_period);
-  fill_curvatures(readings, 4 * interval_ns);
-  fill_changes(readings, to_ns(period_s), interval_ns);
-  double count = 0.0, squares = 0.0;
-  for (const MovingReading& reading : readings) {
-    if (!std::isfinite(reading.change)) continue;
-    count += 1.0;
-    squares += reading.change * reading.change;
-  }
-  if (count < kFewestPairs) return none;
-  const double mean = squares / count;
-  double sum = 0.0, sum2 = 0.0;
-  for (const MovingReading& reading : readings) {
-    if (!std::isfinite(reading.change)) continue;
-    const double x = -(reading.change * reading.change - mean) * cos_2psi(reading);
-    sum += x;
-    sum2 += x * x;
-  }
-  const double x = sum / count, u = std::sqrt(kOverlap * std::max(0.0, sum2 / count - x * x) / count);
-  const bool by_slope = x < 0;
-  const double per_second = context.omega * amplitude;  // rms of the slope is this over √2
-  const double known = by_slope ? 0.5 * std::pow(per_second * context.known_instants_s, 2) : 0.0;
-  const double square = 2 * std::abs(x) / kKept, u_square = 2 * u / kKept;
-  const double expected = known + context.rounding * context.rounding / 12;
-  if (!(square - expected > sigmas::kSure * u_square)) return none;
-  const double rms = std::sqrt(square - known), to_s2 = 2 / (per_second * per_second);
-  if (by_slope) return {.instants_s = rms * std::sqrt(to_s2), .instants_u2 = u_square * to_s2};
-  return {.part = rms * std::numbers::sqrt2 / amplitude};
+  const double amplitude = std::abs(context.fit.X[0]), in_period = kTwoPi / (context.omega * context.interval_s);
+  if (!context.fit.usable || !(amplitude > 0) || !(in_period >= kFewestInPeriod)) return {};
+  if (static_cast<double>(readings.size()) < std::max<double>(kFewestReadings, 2 * in_period)) return {};
+  fill_residuals(readings, context);
+  const int harmonics = std::min(kMaxHarmonics, static_cast<int>(in_period / 2) - 1);
+  const double higher = by_higher_harmonics(context.fit, take_out_harmonics(readings, harmonics), harmonics);
+  fill_sharpness(readings, context.interval_s);
+  const Sums x = sums_of(readings);
+  if (x.count < kFewestReadings || !(x.kappa > 0)) return {};
+  const double square = 2 * std::abs(x.mean) / x.kappa, u_square = 2 * x.u / x.kappa;  // m
+  // Rounding errs less at the turning points. It repeats with the motion where a period has a whole number of readings,
+  // so that its square does not average out: no more than that of half a step.
+  const double by_rounding = context.rounding * context.rounding / 4;
+  if (!(square - by_rounding - higher > sigmas::kSure * u_square)) return {};
+  if (x.mean > 0) return {.part = std::sqrt(2 * square) / amplitude};
+  const double to_s2 = 2 / (context.omega * context.omega * amplitude * amplitude);
+  return {.instants_s = std::sqrt(square * to_s2), .instants_u2 = u_square * to_s2};
 }
 
 bool share_instants(const MovingChannel& a, const MovingChannel& b, double omega) noexcept {
@@ -116,21 +173,25 @@ bool share_instants(const MovingChannel& a, const MovingChannel& b, double omega
       ++(one.t_ns < other.t_ns ? i : j);
       continue;
     }
-    const double slopes = one.cosine * other.cosine, product = one.change * other.change * slopes;
-    if (std::isfinite(product)) {
-      products += product;
-      squares += product * product;
-      weights += slopes * slopes;
-    }
     ++i;
     ++j;
+    if (!std::isfinite(one.sharpness * other.sharpness)) continue;
+    // Errors τ in common leave E s_a s_b = ω² |X_a| |X_b| E τ² Σ w_k² cos ψ_a cos ψ_b.
+    const double cosines = one.cosine * other.cosine, sines = one.sine * other.sine;
+    const double expected = 0.5 * (one.kept * (cosines + sines) + one.kappa * (cosines - sines));
+    const double product = one.sharpness * other.sharpness * expected;
+    products += product;
+    squares += product * product;
+    weights += expected * expected;
   }
-  const double per_s2 = kKept * omega * omega * a.amplitude * b.amplitude * weights;
-  const double common = products / per_s2, u = std::sqrt(kOverlap * squares) / per_s2;
+  const double per_s2 = omega * omega * a.amplitude * b.amplitude * weights;
+  const double common = products / per_s2, u = std::sqrt(kCorrelated * squares) / per_s2;
   const auto explains = [&](const MovingErrors& errors) {
-    return errors.instants_s * errors.instants_s - common < sigmas::kNoise * std::hypot(errors.instants_u2, u);
+    if (errors.instants_s == 0.0) return true;
+    return std::abs(errors.instants_s * errors.instants_s - common) <
+           sigmas::kNoise * std::hypot(errors.instants_u2, u);
   };
-  return common > sigmas::kNoise * u && explains(a.errors) && explains(b.errors);
+  return common > sigmas::kShown * u && explains(a.errors) && explains(b.errors);
 }
 
 }  // namespace dwell

@@ -70,6 +70,8 @@ class TransientModel {
   [[nodiscard]] double clean(int channel, std::int64_t t_ns, double value) noexcept {
     return removal_.clean(channel, t_ns, value);
   }
+  // What clean() subtracts at t, in the channel's unit.
+  [[nodiscard]] double transient(int channel, std::int64_t t_ns) noexcept { return removal_.transient(channel, t_ns); }
   // How often the fit may follow the drive's frequency after one verdict.
   static constexpr int kMostFollowed = 4;
   // Where the data that count have another frequency than the fit, tries it in the fit. Whether it explains the hold

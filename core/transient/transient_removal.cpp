@@ -48,6 +48,11 @@ void TransientRemoval::begin(std::int64_t from_ns, std::int64_t until_ns) noexce
   for (auto& B : overlap_) B.setZero();
 }
 
+double TransientRemoval::transient(int channel, std::int64_t t_ns) noexcept {
+  const bool none = !until_ns_ || t_ns >= *until_ns_ || !fit_.fit().usable(channel);
+  return none ? 0.0 : fit_.fit().disturbance(channel, t_ns);
+}
+
 double TransientRemoval::clean(int channel, std::int64_t t_ns, double value) noexcept {
   if (!until_ns_ || t_ns >= *until_ns_ || !fit_.fit().usable(channel)) return value;
   value -= fit_.fit().disturbance(channel, t_ns);

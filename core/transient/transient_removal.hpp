@@ -26,6 +26,8 @@ class TransientRemoval {
   // Whether the readings that count are cleaned: begin() was called since stop().
   [[nodiscard]] bool active() const noexcept { return until_ns_.has_value(); }
 
+  // The transient and the steady lines at t, in the channel's unit; 0 where nothing is subtracted. Real-time safe.
+  [[nodiscard]] double transient(int channel, std::int64_t t_ns) noexcept;
   // A reading less the transient and the steady lines. Once for each reading that counts since begin(). Real-time safe.
   [[nodiscard]] double clean(int channel, std::int64_t t_ns, double value) noexcept;
   // Covariance of (p_1, q_1) over so many readings, by the error of what was subtracted. Zero of time: the fit's t_0.

@@ -123,7 +123,7 @@ TEST(Pipeline, SkewedAndJitteredChannelsGiveTheSameWithinTheirUncertainty) {
   }
   EXPECT_GT(farthest, 0.1);
   const auto named = [](const Warning& warning) {
-    return warning.what.find("scatter most where") != std::string::npos;
+    return warning.what.find("scatter most where it moves fastest") != std::string::npos;
   };
   EXPECT_TRUE(std::any_of(simultaneous.dwells[0].warnings.begin(), simultaneous.dwells[0].warnings.end(), named));
 }
