@@ -92,28 +92,47 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
   }
 }
 
-// If one channel's ratio to the table varies, the channel or its mount has changed; if all vary together, the drive.
+// If one channel's ratio to the table varies, the channel or its mount has changed. If all vary, the table's
+// transducer, the rig or the drive's frequency has: masses answer otherwise at another frequency.
 void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const {
   const auto table = static_cast<std::size_t>(drive_channel());
   std::vector<std::vector<PhasorStretch>> stretches;
   for (const ChannelResult& result : results) stretches.push_back(result.stretches);
   if (!results[table].fit.usable) return;
+  std::vector<std::string> unsteady;  // names
+  std::vector<Warning> single;
+  double largest = 0.0;
+  std::size_t judged = 0;
   for (std::size_t c = 0; c < results.size(); ++c) {
     if (c == table || !results[c].withheld.empty() || !results[c].fit.usable) continue;
+    ++judged;
     Eigen::VectorXcd against = Eigen::VectorXcd::Zero(live.count());
     against(static_cast<Eigen::Index>(c)) = 1.0 / results[c].fit.X[0];
     against(drive_channel()) = -1.0 / results[table].fit.X[0];
     const Scatter scatter = scatter_of_sum(against, stretches);
     if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
     const Wander wander = wander_of(results[c]);
-    if (std::max(wander.amplitude, wander.phase_rad) > kToleranceShare * rig.tolerance)
-      dwell.warnings.push_back({WarningKind::unsteady,
-                                rig.channels[c].name + " is not steady: its ratio to the table varies by " +
-                                    brief(std::sqrt(scatter.ratio), 2) +
-                                    " times its noise; check the transducer and its mount",
-                                {},
-                                {rig.channels[c].name}});
+    if (!(std::max(wander.amplitude, wander.phase_rad) > kToleranceShare * rig.tolerance)) continue;
+    const double by = std::sqrt(scatter.ratio);
+    const std::string& name = rig.channels[c].name;
+    unsteady.push_back(name);
+    single.push_back({WarningKind::unsteady,
+                      name + " is not steady: its ratio to the table varies by " + brief(by, 2) +
+                          " times its noise; check the transducer and its mount",
+                      {},
+                      {name}});
+    largest = std::max(largest, by);
   }
+  if (unsteady.size() > 1 && unsteady.size() == judged) {
+    const std::string& name = rig.channels[table].name;
+    single = {{WarningKind::unsteady,
+               "the ratio of every channel to " + name + " varies, by up to " + brief(largest, 2) +
+                   " times its noise: the drive's frequency drifts, or " + name +
+                   ", its mount or the rig itself has changed",
+               {},
+               unsteady}};
+  }
+  for (Warning& warning : single) dwell.warnings.push_back(std::move(warning));
   const Wander drive_wanders = wander_of(results[table]);
   if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&
       std::max(drive_wanders.amplitude, drive_wanders.phase_rad) > kToleranceShare * rig.tolerance) {

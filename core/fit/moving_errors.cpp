@@ -18,11 +18,11 @@ using Complex = std::complex<double>;
 // 9e-4: as much as noise.
 constexpr double kFewestInPeriod = 16.0;
 // Readings with neighbours, at least, so that the sum of x is normal.
-constexpr int kFewestReadings = 200;
+constexpr int kFewestJudged = 200;
 // Largest variance of Σ x over Σ x²: see the header.
 constexpr double kCorrelated = 2.71;
 // Largest Σ w²: beyond it neighbours are so near each other that the cubic is bent by their noise.
-constexpr double kMostKept = 4.0;
+constexpr double kMostBent = 4.0;
 
 void fill_residuals(std::span<MovingReading> readings, const MovingContext& context) noexcept {
   const Complex own = context.fit.X[0] / std::abs(context.fit.X[0]);
@@ -108,19 +108,19 @@ void fill_sharpness(std::span<MovingReading> readings, double interval_s) noexce
       reading.kept += weight * weight;
       reading.kappa += weight * weight * cos_twice_between(reading, *near[k]);
     }
-    if (reading.kept < kMostKept) reading.sharpness = reading.residual - prediction;
+    if (reading.kept < kMostBent) reading.sharpness = reading.residual - prediction;
   }
 }
 
 // What all readings together show of x.
-struct Sums {
+struct MovingSums {
   double mean = 0.0, u = 0.0;  // of x, and standard uncertainty
   double kappa = 0.0;          // mean
   double count = 0.0;
 };
 
-Sums sums_of(std::span<const MovingReading> readings) noexcept {
-  Sums out;
+MovingSums sums_of(std::span<const MovingReading> readings) noexcept {
+  MovingSums out;
   double squares = 0.0;
   for (const MovingReading& reading : readings) {
     if (!std::isfinite(reading.sharpness)) continue;
@@ -148,13 +148,13 @@ Sums sums_of(std::span<const MovingReading> readings) noexcept {
 MovingErrors moving_errors(std::span<MovingReading> readings, const MovingContext& context) noexcept {
   const double amplitude = std::abs(context.fit.X[0]), in_period = kTwoPi / (context.omega * context.interval_s);
   if (!context.fit.usable || !(amplitude > 0) || !(in_period >= kFewestInPeriod)) return {};
-  if (static_cast<double>(readings.size()) < std::max<double>(kFewestReadings, 2 * in_period)) return {};
+  if (static_cast<double>(readings.size()) < std::max<double>(kFewestJudged, 2 * in_period)) return {};
   fill_residuals(readings, context);
   const int harmonics = std::min(kMaxHarmonics, static_cast<int>(in_period / 2) - 1);
   const double higher = by_higher_harmonics(context.fit, take_out_harmonics(readings, harmonics), harmonics);
   fill_sharpness(readings, context.interval_s);
-  const Sums x = sums_of(readings);
-  if (x.count < kFewestReadings || !(x.kappa > 0)) return {};
+  const MovingSums x = sums_of(readings);
+  if (x.count < kFewestJudged || !(x.kappa > 0)) return {};
   const double square = 2 * std::abs(x.mean) / x.kappa, u_square = 2 * x.u / x.kappa;  // m
   // Rounding errs less at the turning points. It repeats with the motion where a period has a whole number of readings,
   // so that its square does not average out: no more than that of half a step.

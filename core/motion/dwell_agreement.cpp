@@ -13,8 +13,9 @@ namespace {
 
 // Neither estimate is as efficient as theory has it: of the larger variance this part stands at least.
 constexpr double kLeastPart = 0.1;
-// How often noise alone may make one of all coefficients contradict.
-constexpr double kContradictedByChance = 0.05;
+// How often noise alone may make one of all coefficients contradict: a person is told. Halved or doubled, a difference
+// counts from 4 % more or less on.
+constexpr double kContradictedByChance = 1e-3;
 // U95 beyond which a number is wrong, not inexact: five standard uncertainties. Smaller: of 53 healthy recordings, with
 // drop-outs, unfitted harmonics and drives that drift, three differ by 1.1 … 1.6. Larger: wrong numbers go unsaid.
 constexpr double kWrong = 2.5;

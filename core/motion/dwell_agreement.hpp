@@ -18,7 +18,7 @@
 namespace dwell {
 
 // Of all c and r that both have; nullopt: there is none. A coefficient contradicts if it differs by more than the joint
-// U95 of both, and by more than noise makes one of them differ in 5 % of cases (Bonferroni). Thread-safe; allocates;
+// U95 of both, and by more than noise makes one of them differ in one of 1000 dwells (Bonferroni). Thread-safe; allocates;
 // some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
 

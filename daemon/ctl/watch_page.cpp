@@ -385,6 +385,7 @@ std::string why_ended(const Dwell& dwell) {
 std::string last_words(const WatchState& state, const Truth* truth, double now_s) {
   if (!state.dwell()) return {};
   std::vector<Section> sections = dwell_sections(*state.dwell(), options_of(state, truth, kUnlimited, now_s));
+  put_legend(sections, *state.dwell(), kUnlimited);
   Section head;
   if (!state.name.empty()) head.body.push_back({printable(state.name), Style::plain});
   head.body.push_back({said(state, now_s), Style::plain});

@@ -14,7 +14,10 @@ class LogLines final : public Outlet {
     if (event.lost > 0)
       log_.warning(std::to_string(event.lost) + " changes of state or finished dwells are missing here");
     if (event.kind == RunEvent::Kind::dwell_finished) {
-      log_.info(finished_line(*event.dwell, rig));
+      if (event.dwell->doubts.empty())
+        log_.info(finished_line(*event.dwell, rig));
+      else
+        log_.warning(finished_line(*event.dwell, rig));
     } else {
       log_.info(state_line(event.before, *event.dwell), {{kStateField, to_string(event.dwell->state)}});
     }

@@ -1,9 +1,11 @@
 #include "daemon/report/dwell_line.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "config/units.hpp"
+#include "daemon/report/dwell_text.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell {
@@ -36,8 +38,13 @@ std::string finished_line(const Dwell& dwell, const Rig& rig) {
             join(number_text(element.stiffness.value, element.stiffness.U95, config::stiffness_unit(rig.motion)));
     line += ", r_" + k + " = " +
             join(number_text(element.damping.value, element.damping.U95, config::damping_unit(rig.motion)));
+    const auto concerned = [&](const Doubt& doubt) { return concerns(doubt, element.k); };
+    if (std::any_of(dwell.doubts.begin(), dwell.doubts.end(), concerned)) line += " (do not rely on it)";
   }
+  for (const Doubt& doubt : dwell.doubts) line += "; doubt: " + doubt.what;
   for (const Warning& warning : dwell.warnings) line += "; warning: " + warning.what;
+  if (const std::string unstated = unstated_text(dwell.unstated); !unstated.empty() && has_coefficients(dwell))
+    line += "; " + unstated;
   return line;
 }
 

@@ -315,10 +315,13 @@ std::vector<std::string> legend_of(const std::vector<const Dwell*>& dwells) {
   std::vector<std::string> texts{"± is the half width of the 95 % interval, if the rig is as its file says"};
   if (some_insignificant) texts[0] += "; n.s.: not significant, smaller than its standard uncertainty";
   if (some_doubted) texts[0] += "; ?: do not rely on it, the reason stands with the dwell";
-  if (!unstated.empty()) {
-    texts.push_back("± covers only noise, clock and what the rig file states; not stated: " + list_of(unstated));
-  }
+  if (std::string text = unstated_text(unstated); !text.empty()) texts.push_back(std::move(text));
   return texts;
+}
+
+std::string unstated_text(const std::vector<std::string>& unstated) {
+  if (unstated.empty()) return {};
+  return "± covers only noise, clock and what the rig file states; not stated: " + list_of(unstated);
 }
 
 std::string frequency_text(const Dwell& d) {

@@ -51,6 +51,9 @@ struct TextOptions {
 // dwells; empty: no coefficient stands in it.
 [[nodiscard]] std::vector<std::string> legend_of(const std::vector<const Dwell*>& dwells);
 
+// "± covers only noise, clock and what the rig file states; not stated: …"; empty: all is stated.
+[[nodiscard]] std::string unstated_text(const std::vector<std::string>& unstated);
+
 // One line without its end: "dwell 3 · measuring, 24.6 s of data".
 [[nodiscard]] std::string headline(const DwellView& view);
 

@@ -83,8 +83,8 @@ TEST(DwellAgreement, CallsNoContradictionWhatChanceExplains) {
     pair.motion.elements[0].stiffness.U95 = pair.dwell.elements[0].stiffness.U95 = 0.1;
     return agreement_of(pair.motion, pair.dwell)->contradicts;
   };
-  EXPECT_FALSE(contradicts(1.11));
-  EXPECT_TRUE(contradicts(1.13));
+  EXPECT_FALSE(contradicts(1.73));
+  EXPECT_TRUE(contradicts(1.75));
 }
 
 Pair contradicted(std::vector<double> moves) {

@@ -91,6 +91,20 @@ TEST(SlowChange, TheUncertaintyOfAFrequencyThatDriftsCoversTheWholeDwell) {
   }
 }
 
+// All masses answer otherwise at another frequency: no transducer is to blame.
+TEST(SlowChange, AFrequencyThatDriftsBlamesNoTransducer) {
+  SlowRig slow = slow_rig(600);
+  slow.frequency_drift = 1e-3 / 60;
+  slow.noise = 1e-5;
+  Pipeline pipeline(slow.rig);
+  slow.run(pipeline, 100);
+  std::string all;
+  for (const Warning& warning : pipeline.current().warnings) all += warning.what + "\n";
+  EXPECT_EQ(all.find("check the transducer"), std::string::npos) << all;
+  EXPECT_NE(all.find("the ratio of every channel to y0 varies"), std::string::npos) << all;
+  EXPECT_NE(all.find("the drive's frequency drifts"), std::string::npos) << all;
+}
+
 // A rig of a long memory, from rest: the drift is in the fit of its transient, which would else take it for another
 // mode.
 TEST(SlowChange, ADriftHoldsNoVerdictUp) {

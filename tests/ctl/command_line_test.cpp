@@ -89,9 +89,12 @@ TEST(CommandLine, AServiceThatIsNotThereIsExitCode3) {
     EXPECT_EQ(outcome.err, "dwellctl: " + address + ": Connection refused\n") << verb;
     EXPECT_EQ(outcome.out, "") << verb;
   }
-  const Outcome check = run({"check", "--control", "/nonexistent/control"});
-  EXPECT_EQ(check.code, 3);
-  EXPECT_NE(check.err.find("dwellctl check --rig FILE"), std::string::npos) << check.err;
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", "--control", "/nonexistent/control"}, {"check"}}) {
+    const Outcome check = run(words);
+    EXPECT_EQ(check.code, 3);
+    EXPECT_NE(check.err.find("dwellctl check --rig FILE"), std::string::npos) << check.err;
+  }
 }
 
 TEST(CommandLine, VerifyWithoutARecordingAsksTheService) {

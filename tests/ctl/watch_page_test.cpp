@@ -357,6 +357,13 @@ TEST(WatchPage, SaysWhatTheUncertaintyOfTheLastDwellDoesNotCover) {
   EXPECT_NE(text.find("what the rig file states; not stated: mass 1"), std::string::npos) << text;
 }
 
+TEST(WatchPage, TheLastWordsSayWhatTheUncertaintyDoesNotCover) {
+  Dwell last = test::sample_dwell();
+  last.unstated = {"mass 1"};
+  const WatchState state = watched(make_view(last, test::sample_rig(), test::sample_run()));
+  EXPECT_NE(last_words(state, nullptr, 100.1).find("not stated: mass 1"), std::string::npos);
+}
+
 TEST(WatchPage, CountsAContradictionAmongTheWarnings) {
   DwellView view = test::measured_view(3.0);
   auto beside = std::make_shared<MotionView>(*view.transient);

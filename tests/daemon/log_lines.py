@@ -34,6 +34,7 @@ INDIRECT = {
     "daemon/outlets/log_lines.cpp": [
         ("finished_line", "info", "daemon/report/dwell_line.cpp", " complete ("),
         ("finished_line", "info", "daemon/report/dwell_line.cpp", "never settled"),
+        ("finished_line", "warning", "daemon/report/dwell_line.cpp", " complete ("),
         ("state_line", "info", "daemon/report/dwell_line.cpp", "state "),
     ],
     "daemon/record/housekeeper.cpp": [

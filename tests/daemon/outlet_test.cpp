@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "daemon/notifier.hpp"
+#include "tests/ctl/sample_dwell.hpp"
 #include "tests/daemon/log_to_read.hpp"
 
 namespace dwell {
@@ -48,6 +49,23 @@ TEST_F(OutletTest, TheLogTellsOfEveryChangeAndEveryFinishedDwell) {
                              "info state idle -> settling, dwell 3: the drive has stopped",
                              "info dwell 3 complete (end): never settled, the drive has stopped",
                          }));
+}
+
+TEST_F(OutletTest, TheLogTellsOfADoubtedDwellAsAWarningWithItsReasonAndWhatItsUncertaintyDoesNotCover) {
+  test::LogToRead log("outlet-doubt");
+  Dwell dwell = test::sample_dwell();
+  dwell.index = 4;
+  dwell.state = State::complete;
+  dwell.doubts = {{{1}, "the poles contradict"}};
+  dwell.unstated = {"mass 1"};
+  make_log_lines(log)->tell({RunEvent::Kind::dwell_finished, State::measuring, std::make_shared<const Dwell>(dwell)},
+                            test::sample_rig());
+  const std::string line = log.lines().at(0);
+  EXPECT_EQ(line.find("warning dwell 4 complete"), 0u) << line;
+  EXPECT_NE(line.find(" (do not rely on it); "), std::string::npos) << line;
+  EXPECT_EQ(line.find(" (do not rely on it)"), line.rfind(" (do not rely on it)")) << "of element 1 alone: " << line;
+  EXPECT_NE(line.find("; doubt: the poles contradict"), std::string::npos) << line;
+  EXPECT_NE(line.find("not stated: mass 1"), std::string::npos) << line;
 }
 
 TEST_F(OutletTest, TheLogSaysHowManyEventsItWasNotToldOf) {

@@ -210,6 +210,22 @@ TEST_F(ProcessTest, ChecksARigFileAndTellsEveryMistakeWithItsPlace) {
   EXPECT_EQ(run({"--config", folder + "/wrong.toml"}), 2) << "and does not serve it";
 }
 
+TEST_F(ProcessTest, TheCheckWarnsOfRatesThatFoldHarmonicsAndOfAnAddressThatIsNone) {
+  std::string text = test::rig_file(1502);
+  const std::size_t at = text.find("rate");
+  text.replace(at, text.find('\n', at) - at, "rate = 40\nrate_shift = false");
+  EXPECT_EQ(run({"--check-config", write("folds.toml", text)}), 0) << read("output");
+  EXPECT_NE(read("output").find("harmonic"), std::string::npos) << read("output");
+
+  std::string nowhere = test::rig_file(1502);
+  nowhere.replace(nowhere.find("127.0.0.1:0"), 11, "host:port");
+  const std::string path = write("nowhere.toml", nowhere);
+  for (const char* option : {"--check-config", "--config"}) {
+    EXPECT_EQ(run({option, path}), 2) << option;
+    EXPECT_NE(read("output").find("nowhere.toml:10:10: \"listen\""), std::string::npos) << read("output");
+  }
+}
+
 TEST_F(ProcessTest, ANetworkThatNobodyGuardsIsRefusedByTheCheckAndAtTheStart) {
   std::string open = test::rig_file(1502);
   open.replace(open.find("127.0.0.1:0"), 11, "0.0.0.0:0");
