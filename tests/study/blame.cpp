@@ -21,8 +21,8 @@ const Words& cause_words(Kind kind) {
   static const Words grid = {"far from", "spike", "outlier", "round", "grid", "coarse", "resolution"};
   static const Words steps = {"round", "grid", "coarse", "low byte", "step of", "steps of", "resolution"};
   static const Words fold = {"fold", "alias"};
-  static const Words instants = {"turnaround", "transaction", "station", "instant", "delay", "late"};
-  static const Words frequency = {"hz", "frequency", "ppm"};
+  static const Words instants = {"turnaround", "transaction", "station", "instant", "delay", " late"};
+  static const Words frequency = {"drive is at"};
   static const Words amplitude = {"amplitude", "not steady", "wander", "hunt", "swing", "drift", "modulat"};
   static const Words bent = {"linear", "friction", "equivalent", "cubic"};
   static const Words model = {"contradict", "natural", "mode",   "pole",     "eigenvalue", "decay", "negative",
@@ -122,8 +122,9 @@ bool names(const Case& about, const Disturbance& disturbance, const std::string&
   if (!says(disturbance.kind, line)) return false;
   for (const int c : disturbance.channels)
     if (has_word(line, about.rig.channels[static_cast<std::size_t>(c)].name)) return true;
+  // That an element is not linear at some amplitude says nothing of the drive.
   for (const int k : disturbance.elements)
-    if (has_word(line, "element " + std::to_string(k))) return true;
+    if (!is_of_drive(disturbance.kind) && has_word(line, "element " + std::to_string(k))) return true;
   if (is_of_drive(disturbance.kind) && (has_word(line, "drive") || has_word(line, "table"))) return true;
   return is_of_model(disturbance.kind) && (has_word(line, "elements") || blames_chain(line));
 }

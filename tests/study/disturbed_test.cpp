@@ -197,6 +197,13 @@ TEST(StudyDisturbed, AWarningCountsThatNamesTheChannelAndTheCause) {
   const std::string term = "the readings are better explained with a mass 1 of 26.96 ± 0.25 kg instead of 27.62 kg";
   EXPECT_TRUE(names(about, {Kind::mass_off, "", {}, {1, 2}}, term));
   EXPECT_FALSE(names(about, clipped, term));
+  const Disturbance hunting{Kind::hunting, "", {0}, {1, 2}}, fixed{Kind::fixed_off, "", {}, {1, 2}},
+      stations{Kind::stations, "", {1}, {1, 2}};
+  EXPECT_TRUE(names(about, hunting, "the drive is not steady: its amplitude changes by 0.3 % in a second"));
+  EXPECT_FALSE(names(about, hunting, "element 1 is not linear: its r is an equivalent damping at this amplitude"));
+  EXPECT_TRUE(names(about, fixed, "the drive is at 4.0002 Hz, the rig file says fixed at 4.0000 ± 0.0001 Hz"));
+  EXPECT_FALSE(names(about, fixed, "mode at 4.77 Hz: it is excited more than by the drive at 4 Hz"));
+  EXPECT_FALSE(names(about, stations, "the residuals of y1 are correlated"));
   EXPECT_TRUE(blames(about, "y1 is refreshed every 3 polls"));
   EXPECT_TRUE(blameless({WarningKind::hum, "hum of 50 Hz, if there is any, cannot be told from harmonic 1 in y1"}));
   EXPECT_TRUE(blameless({WarningKind::folded_harmonic, "harmonic 9 of the drive, if there is any, folds"}));
