@@ -210,7 +210,8 @@ void Pipeline::Impl::tell_not_settled(Dwell& dwell) const {
   if (states.at_rest()) return;
   if (states.measuring())
     dwell.settling_reason =
-        "too few data: the newest may have been taken while the drive changed; hold the drive longer";
+        "too few data: the newest may have been taken while the drive changed; hold the drive longer. Seen: " +
+        tracker.unsteady_reason(to_s(now_ns - at.armed_ns), live[drive_channel()].sampling());
   else if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
            verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns))
     dwell.settles_in_s = verdict.settles_in_s;

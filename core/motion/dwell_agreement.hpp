@@ -18,8 +18,8 @@
 namespace dwell {
 
 // Of all c and r that both have; nullopt: there is none. A coefficient contradicts if it differs by more than the joint
-// U95 of both, and by more than noise makes one of them differ in one of 1000 dwells (Bonferroni). Thread-safe; allocates;
-// some operations per coefficient.
+// U95 of both, and by more than noise makes one of them differ in one of 1000 dwells (Bonferroni). Thread-safe;
+// allocates; some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
 
 // What any motion holds against a dwell, the first of these that is so. The estimate must overlap the dwell's hold,

@@ -118,6 +118,31 @@ TEST_P(HuntingFrequency, GivesNoWrongNumberWithoutAWord) {
 
 INSTANTIATE_TEST_SUITE_P(UnsteadyDrive, HuntingFrequency, testing::Values(0.1, 1.0));
 
+// "Hold the drive longer" alone would send an operator the wrong way: the drive was held, and it hunts.
+TEST(UnsteadyDrive, WithoutMassesTheReasonForNoResultTellsThatTheAmplitudeHunts) {
+  Chain chain;
+  chain.boundary = Boundary::clamped;
+  chain.stiffness = {24e3};
+  chain.damping = {60.0};
+  Pipeline pipeline(rig_of(chain, 4));
+  std::mt19937_64 rng(3);
+  std::normal_distribution<double> normal;
+  std::string reasons;
+  for (int i = 0; i < 6000; ++i) {
+    const double t_s = i / 200.0, swing = 1 + 0.01 * std::sin(M_PI * t_s), theta = 8 * M_PI * t_s;
+    const double y = 5e-3 * swing * std::sin(theta), v = 5e-3 * swing * 8 * M_PI * std::cos(theta);
+    for (std::uint16_t c = 0; c < 2; ++c) {
+      Record record;
+      record.t_ns = std::llround(t_s * 1e9);
+      record.channel = c;
+      record.value = c == 0 ? y + 5e-6 * normal(rng) : 24e3 * y + 60 * v + 0.12 * normal(rng);
+      if (pipeline.push(record) & kCompleted) reasons += pipeline.completed().settling_reason + "\n";
+    }
+  }
+  EXPECT_NE(reasons.find("hold the drive longer. Seen: the table moves by 5.0"), std::string::npos) << reasons;
+  EXPECT_NE(reasons.find("its amplitude was between 4.9"), std::string::npos) << reasons;
+}
+
 // A dwell that ended waits for the reason until the drive is steady again. What is held shortly, and left again, must
 // not take its place before it is told: no number of a run is missing.
 TEST(UnsteadyDrive, HoldsOfFewPeriodsAreAllToldEachUnderItsNumber) {
