@@ -22,7 +22,7 @@ struct Observed {
   Eigen::VectorXcd o;   // displacement or force on the ground
   Eigen::VectorXd own;  // variance by the errors of each channel alone, sum of both components
   // Change of o by one standard deviation of an instant that channels share, by what it is and by the index of the
-  // device, of the transaction or of the lowest channel.
+  // device, of the transaction or of the channel that names the group.
   std::map<std::pair<SourceKind, int>, Eigen::VectorXcd> late;
 };
 

@@ -201,8 +201,8 @@ void Collection::add_shared_instants() {
   for (auto& [transaction, shared] : by_transaction)
     add_shared(SourceKind::turnaround, "turnaround of " + name_of_transaction(rig, evidence_, transaction),
                name_of_device(channel(transaction).device), std::move(shared));
-  for (auto& [lowest, shared] : by_stamps)
-    add_shared(SourceKind::uneven, "uneven stamps of " + channel(lowest).name + " and others", "", std::move(shared));
+  for (auto& [group, shared] : by_stamps)
+    add_shared(SourceKind::uneven, "uneven stamps of " + channel(group).name + " and others", "", std::move(shared));
 }
 
 void Collection::add_masses() {

@@ -88,6 +88,8 @@ class DriveTracker {
 
   // Messages: the table does not count as moving; it has moved for `seconds` without being steady.
   [[nodiscard]] std::string at_rest_reason() const { return seen_.at_rest(rig_); }
+  // Whether the amplitude of the drive since arm() has changed by more than Rig::tolerance.
+  [[nodiscard]] bool seen_swinging() const noexcept { return seen_.swings(rig_); }
   [[nodiscard]] std::string unsteady_reason(double seconds, const SamplingRegularity& sampling) const {
     return seen_.unsteady(rig_, seconds, sampling);
   }

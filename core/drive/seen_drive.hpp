@@ -32,6 +32,10 @@ class SeenDrive {
 
   // The message for a table that does not count as moving.
   [[nodiscard]] std::string at_rest(const Rig& rig) const;
+  // Whether the amplitude since arm() has changed by more than Rig::tolerance.
+  [[nodiscard]] bool swings(const Rig& rig) const noexcept {
+    return windows_ > kQuarters && most_ - least_ > rig.tolerance * most_;
+  }
   // The message for a table that has moved for `seconds` without being steady for long enough. Before a window counts
   // it says that too few periods were seen. sampling: of the table's channel. A harmonic that folds close
   // to the drive (folding.hpp) and beats with it once or more in this time makes a steady drive look so, and is named.

@@ -212,7 +212,8 @@ ErrorsInMotion::About Pipeline::Impl::about_moving(int c, HarmonicFit fit, std::
   const SamplingRegularity& sampling = live[c].sampling();
   const double phase = omega() * to_s(about_ns - t_ref_ns) + data.bend(about_ns), step = live[c].intake().step();
   for (int h = 1; h <= harmonics(); ++h) fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * phase);
-  // The square of hum at half an alias of 2ω would look like errors that grow with the motion.
+  // Squared, hum has twice its frequency. If that reads as twice the drive's, it looks like an error that grows with
+  // the motion.
   for (const double line : kMainsFundamentals_hz)
     fit.usable = fit.usable && sampling.distance_hz(2 * line, omega() / std::numbers::pi) >
                                    2 * kMainsWander_hz + 1 / to_s(now_ns - at.settled_ns);
@@ -229,16 +230,16 @@ void Pipeline::Impl::look_for_moving_errors(int to, bool at_once) {
     Impl& of;
     int to;
     bool by_sums;
-    mutable HarmonicFits fits;
+    HarmonicFits fits;
     [[nodiscard]] int every(int c) const { return of.every(c); }
     [[nodiscard]] double transient(int c, std::int64_t t_ns) const { return of.modes.transient(c, t_ns); }
-    [[nodiscard]] ErrorsInMotion::About about(int c, std::int64_t about_ns) const {
+    [[nodiscard]] ErrorsInMotion::About about(int c, std::int64_t about_ns) {
       if (by_sums)
         return of.about_moving(c, fits.fit(c, of.blocks().reference(c)), of.data.sums().t_ref_ns(), about_ns);
       return of.about_moving(c, of.data.fit(c, 0, to, of.omega(), about_ns), about_ns, about_ns);
     }
   };
-  const Ask ask{*this, to, data.sums_valid() && to == blocks().count(), {data.sums(), harmonics()}};
+  Ask ask{*this, to, data.sums_valid() && to == blocks().count(), {data.sums(), harmonics()}};
   const std::int64_t from_ns = blocks().block(0).begin_ns, end_ns = blocks().block(to - 1).end_ns;
   if (at_once)
     errors_in_motion.look(history, from_ns, end_ns, ask);

@@ -21,7 +21,8 @@ constexpr double kMostForeign = 0.05;
 // Assumed mean of errors over their standard deviation: right if they lie evenly between 0 and a largest one, or if
 // three quarters of the readings have one and the same. More than that is not covered.
 constexpr double kMeanOverScatter = std::numbers::sqrt3;
-// From this part of a phasor's other uncertainty on, uneven readings are told.
+// From this part of a phasor's other uncertainty on, uneven readings are told: they widen it by 12 %. Halved: warnings
+// of 3 %. Doubled: 41 % go unsaid.
 constexpr double kUnevenMatters = 0.5;
 
 double foreign_part(const LiveChannels& live, const Rig& rig) {
@@ -208,13 +209,16 @@ std::vector<std::string> Pipeline::Impl::uneven_reasons(int c, const ChannelResu
 // A dwell without coefficients: says why, and how long it may last.
 void Pipeline::Impl::tell_not_settled(Dwell& dwell) const {
   if (states.at_rest()) return;
-  if (states.measuring())
+  if (states.measuring()) {
     dwell.settling_reason =
-        "too few data: the newest may have been taken while the drive changed; hold the drive longer. Seen: " +
-        tracker.unsteady_reason(to_s(now_ns - at.armed_ns), live[drive_channel()].sampling());
-  else if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
-           verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns))
+        "too few data: the newest may have been taken while the drive changed; hold the drive longer";
+    if (tracker.seen_swinging())
+      dwell.settling_reason +=
+          ". Seen: " + tracker.unsteady_reason(to_s(now_ns - at.armed_ns), live[drive_channel()].sampling());
+  } else if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
+             verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns)) {
     dwell.settles_in_s = verdict.settles_in_s;
+  }
   dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
 }
 

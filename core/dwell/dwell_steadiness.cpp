@@ -100,7 +100,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   for (const ChannelResult& result : results) stretches.push_back(result.stretches);
   if (!results[table].fit.usable) return;
   std::vector<std::string> unsteady;  // names
-  std::vector<Warning> single;
+  std::vector<Warning> warnings;
   double largest = 0.0;
   std::size_t judged = 0;
   for (std::size_t c = 0; c < results.size(); ++c) {
@@ -116,23 +116,23 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     const double by = std::sqrt(scatter.ratio);
     const std::string& name = rig.channels[c].name;
     unsteady.push_back(name);
-    single.push_back({WarningKind::unsteady,
-                      name + " is not steady: its ratio to the table varies by " + brief(by, 2) +
-                          " times its noise; check the transducer and its mount",
-                      {},
-                      {name}});
+    warnings.push_back({WarningKind::unsteady,
+                        name + " is not steady: its ratio to the table varies by " + brief(by, 2) +
+                            " times its noise; check the transducer and its mount",
+                        {},
+                        {name}});
     largest = std::max(largest, by);
   }
   if (unsteady.size() > 1 && unsteady.size() == judged) {
     const std::string& name = rig.channels[table].name;
-    single = {{WarningKind::unsteady,
-               "the ratio of every channel to " + name + " varies, by up to " + brief(largest, 2) +
-                   " times its noise: the drive's frequency drifts, or " + name +
-                   ", its mount or the rig itself has changed",
-               {},
-               unsteady}};
+    warnings = {{WarningKind::unsteady,
+                 "the ratio of every channel to " + name + " varies, by up to " + brief(largest, 2) +
+                     " times its noise: the drive's frequency drifts, or " + name +
+                     ", its mount or the rig itself has changed",
+                 {},
+                 unsteady}};
   }
-  for (Warning& warning : single) dwell.warnings.push_back(std::move(warning));
+  for (Warning& warning : warnings) dwell.warnings.push_back(std::move(warning));
   const Wander drive_wanders = wander_of(results[table]);
   if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&
       std::max(drive_wanders.amplitude, drive_wanders.phase_rad) > kToleranceShare * rig.tolerance) {

@@ -15,7 +15,7 @@ constexpr std::size_t kMostLookedAt = 65'536, kMostOfChannel = 4096;
 // Periods of data before the first look: with fewer, most channels have too few readings.
 constexpr double kFirstLook = 12.0;
 // Channels whose instants are compared with those of all others, at a look. Halved, the fifth and later groups of
-// stamps count as errors of each channel alone. Doubled, 64 channels of as many stamps take 2 ms longer.
+// stamps count as errors of each channel alone. Doubled, this comparison takes twice as long.
 constexpr int kMostLeads = 8;
 
 // The variance of instants beyond what the budget has, s².

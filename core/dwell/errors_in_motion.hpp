@@ -31,16 +31,15 @@ class ErrorsInMotion {
     MovingContext context;
     double known_s = 0.0;  // standard deviation of its instants that the budget has already
   };
-  // Readings of channel c that a look takes: every so many, so that a period has fifty or less. interval_s: between its
-  // readings.
+  // A look takes one reading in so many, about fifty a period. interval_s: between a channel's readings.
   [[nodiscard]] static int every(double interval_s, double period_s) noexcept {
     return std::max(1, static_cast<int>(period_s / (kInPeriod * std::max(interval_s, 1e-9))));
   }
   // Goes on with a look at the readings in [from_ns, until_ns), or begins it. ask.every(c): see every().
   // ask.transient(c, t_ns): what of the reading is known to be transient, SI. ask.about(c, about_ns): its fit's phases
-  // about about_ns. Beginning takes 1 ms for half a million samples, judging 16 000 readings 2 ms.
+  // about about_ns. O(samples held) to begin, then some 16 000 readings a call.
   template <class Ask>
-  void go_on(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, const Ask& ask) noexcept {
+  void go_on(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, Ask& ask) noexcept {
     if (next_ == seen_.size()) gather(history, from_ns, until_ns, ask);
     for (std::size_t judged = 0; next_ < seen_.size() && judged < kAtOnce; judged += counts_[next_++])
       judge(static_cast<int>(next_), ask);
@@ -48,16 +47,16 @@ class ErrorsInMotion {
   }
   // A whole look.
   template <class Ask>
-  void look(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, const Ask& ask) noexcept {
+  void look(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, Ask& ask) noexcept {
     next_ = seen_.size();
     do go_on(history, from_ns, until_ns, ask);
     while (next_ < seen_.size());
   }
 
-  // Standard deviations of what was found. part: of the channel's gain, relative.
+  // Standard deviation of the channel's gain from reading to reading, relative; 0: nothing was found.
   [[nodiscard]] double part(int channel) const noexcept { return found(channel).part; }
-  // Of instants, s: of this channel's own, and of those of its group. Channels with the same with() are a group, and
-  // have the same shared_s(); -1: no group.
+  // Standard deviations of its instants, s: by errors of its own, and by errors that its group shares. Channels with
+  // the same with() are a group and have the same shared_s(); -1: no group.
   [[nodiscard]] double own_s(int channel) const noexcept { return found(channel).own_s; }
   [[nodiscard]] double shared_s(int channel) const noexcept { return found(channel).shared_s; }
   [[nodiscard]] int with(int channel) const noexcept { return found(channel).with; }
@@ -68,7 +67,7 @@ class ErrorsInMotion {
     int with = -1;
   };
   static constexpr double kInPeriod = 50.0;       // readings
-  static constexpr std::size_t kAtOnce = 16'384;  // readings judged in one call
+  static constexpr std::size_t kAtOnce = 16'384;  // readings judged in one call: a quarter of a look
 
   [[nodiscard]] const Found& found(int channel) const noexcept { return found_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] std::span<MovingReading> of_channel(std::size_t c) noexcept {
@@ -76,7 +75,7 @@ class ErrorsInMotion {
   }
   // The newest readings of each channel, from the end of its room on downwards.
   template <class Ask>
-  void gather(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, const Ask& ask) noexcept {
+  void gather(const SampleHistory& history, std::int64_t from_ns, std::int64_t until_ns, Ask& ask) noexcept {
     looked_ns_ = until_ns;
     next_ = 0;
     std::fill(counts_.begin(), counts_.end(), std::size_t{0});
@@ -92,7 +91,7 @@ class ErrorsInMotion {
     }
   }
   template <class Ask>
-  void judge(int channel, const Ask& ask) noexcept {
+  void judge(int channel, Ask& ask) noexcept {
     const auto c = static_cast<std::size_t>(channel);
     const std::span<MovingReading> readings = of_channel(c);
     seen_[c] = MovingChannel{};

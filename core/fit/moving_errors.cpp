@@ -8,14 +8,15 @@
 #include "core/base/angle.hpp"
 #include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
+#include "core/base/neighbour_weights.hpp"
 
 namespace dwell {
 namespace {
 
 using Complex = std::complex<double>;
 
-// Readings of a period, at least. Of an amplitude that swings by 1 % a cubic leaves 6e-5 at sixteen a period, at eight
-// 9e-4: as much as noise.
+// Readings of a period, at least. The cubic leaves 2/3 (1 - cos 2π/n)² of a sine read n times a period. Of an amplitude
+// that swings by 1 % that is 4e-5 at n = 16, and 6e-4, as much as noise, at n = 8.
 constexpr double kFewestInPeriod = 16.0;
 // Readings with neighbours, at least, so that the sum of x is normal.
 constexpr int kFewestJudged = 200;
@@ -66,9 +67,10 @@ Harmonics take_out_harmonics(std::span<MovingReading> readings, int harmonics) n
   return taken;
 }
 
-// Bound of m by harmonics beyond those taken out. Friction switches a force, so its harmonics fall as 1/h, no motion
-// has slower ones. From the mean square of harmonics 5 … 8 the others have together eight times as much at most, and
-// the cubic keeps four times as much of the highest as of noise.
+// Bound of m by harmonics beyond those taken out. Friction makes a force jump, so its harmonics fall as 1/h. Those from
+// the ninth on then have together 4.5 times the mean square of harmonics 5 … 8; twice that is allowed, since single
+// harmonics may be weak. At half the sampling rate s is 8/3 of a harmonic, which is 3.7 times as much as of noise in
+// square.
 double by_higher_harmonics(const HarmonicFit& fit, const Harmonics& taken, int harmonics) noexcept {
   constexpr int kFirst = 5;
   const Complex own = std::conj(fit.X[0]) / std::abs(fit.X[0]);
@@ -77,7 +79,8 @@ double by_higher_harmonics(const HarmonicFit& fit, const Harmonics& taken, int h
     const auto at = static_cast<std::size_t>(h - 1);
     squares += std::norm(fit.X[at] * std::pow(own, h) + taken[at]);
   }
-  return harmonics < kFirst ? 0.0 : 0.5 * 8 * 4 * squares / (harmonics - kFirst + 1);
+  constexpr double kBeyond = 8.0, kKept = 4.0;
+  return harmonics < kFirst ? 0.0 : 0.5 * kBeyond * kKept * squares / (harmonics - kFirst + 1);
 }
 
 double cos_twice_between(const MovingReading& a, const MovingReading& b) noexcept {
@@ -87,28 +90,25 @@ double cos_twice_between(const MovingReading& a, const MovingReading& b) noexcep
 
 // Where a neighbour is missing, or the five lie too unevenly, s is NaN.
 void fill_sharpness(std::span<MovingReading> readings, double interval_s) noexcept {
-  constexpr std::size_t kSide = 2;
+  constexpr std::size_t kBeside = 2;
   const double farthest_s = 3 * interval_s;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     MovingReading& reading = readings[i];
     reading.sharpness = kNaN;
-    if (i < kSide || i + kSide >= readings.size()) continue;
-    const std::array<const MovingReading*, 4> near = {&readings[i - 2], &readings[i - 1], &readings[i + 1],
-                                                      &readings[i + 2]};
-    std::array<double, 4> t{};
-    for (std::size_t k = 0; k < 4; ++k) t[k] = to_s(near[k]->t_ns - reading.t_ns);
-    if (-t[0] > farthest_s || t[3] > farthest_s) continue;
-    double prediction = 0.0;
-    reading.kept = reading.kappa = 1.0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      double weight = 1.0;  // of the cubic, at 0
-      for (std::size_t other = 0; other < 4; ++other)
-        if (other != k) weight *= t[other] / (t[other] - t[k]);
-      prediction += weight * near[k]->residual;
-      reading.kept += weight * weight;
-      reading.kappa += weight * weight * cos_twice_between(reading, *near[k]);
+    if (i < kBeside || i + kBeside >= readings.size()) continue;
+    const MovingReading* const five = &readings[i - kBeside];
+    std::array<double, 2 * kBeside + 1> t{}, weights{};
+    for (std::size_t k = 0; k < t.size(); ++k) t[k] = to_s(five[k].t_ns - reading.t_ns);
+    if (-t.front() > farthest_s || t.back() > farthest_s) continue;
+    neighbour_weights(t.data(), kBeside, weights.data());
+    double s = 0.0;
+    reading.kept = reading.kappa = 0.0;
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      s -= weights[k] * five[k].residual;
+      reading.kept += weights[k] * weights[k];
+      reading.kappa += weights[k] * weights[k] * cos_twice_between(reading, five[k]);
     }
-    if (reading.kept < kMostBent) reading.sharpness = reading.residual - prediction;
+    if (reading.kept < kMostBent) reading.sharpness = s;
   }
 }
 

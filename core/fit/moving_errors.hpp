@@ -5,8 +5,8 @@
 // from reading to reading are found; a constant or slowly changing one is not. Such errors usually have a mean. The
 // mean shifts the phasor, however many readings there are.
 //
-// The residual r of the harmonic fit is taken, less its own harmonics up to the eighth. ψ is the phase of the reading,
-// which is |X| sin ψ. A cubic through two neighbours on each side predicts r; w are the weights of what it leaves:
+// r_i is the residual of the harmonic fit, less its own harmonics up to the eighth. The reading is |X| sin ψ. A cubic
+// through two neighbours on each side predicts r_i. What it misses is s_i, a sum of five residuals with weights w_k:
 //
 //   s_i = r_i - prediction = Σ w_k r_{i+k},    evenly spaced: w = 1/6, -2/3, 1, -2/3, 1/6
 //   x_i = -(s_i² - mean s²) cos 2ψ_i
@@ -18,6 +18,9 @@
 //
 // The x of neighbours are correlated. The variance of their sum is 2.6 Σ x² for Gaussian noise, and 2.7 Σ x² for single
 // spikes, (Σ w²)² / Σ w⁴.
+//
+// Source: the test of heteroscedasticity by Breusch and Pagan (Econometrica 47 (1979) 1287), with the variance that
+// Koenker gives it (J. of Econometrics 17 (1981) 107), which takes no distribution for granted.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/median.hpp"
-#include "core/motion/neighbour_weights.hpp"
+#include "core/base/neighbour_weights.hpp"
 
 namespace dwell {
 namespace {

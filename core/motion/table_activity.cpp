@@ -8,9 +8,9 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/median.hpp"
+#include "core/base/neighbour_weights.hpp"
 #include "core/motion/alike_stretches.hpp"
 #include "core/motion/channel_readings.hpp"
-#include "core/motion/neighbour_weights.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {

@@ -6,7 +6,7 @@
 namespace dwell {
 
 // Kinds of the entries of a budget. Those from `noise` to `highpass` are of one channel, which BudgetShare names; a
-// delay may be of a device instead.
+// delay may be of a device instead, uneven readings of several channels.
 enum class SourceKind : std::uint8_t {
   other,  // by any motion: a term that the rig file lacks
   noise,

@@ -28,5 +28,19 @@ TEST(SeenDrive, SaysNoAmplitudesBeforeOneCounts) {
       << seen.unsteady(rig, 1.0, {});
 }
 
+TEST(SeenDrive, SwingsWhereTheAmplitudeChangesByMoreThanTheTolerance) {
+  Rig rig;
+  rig.tolerance = 0.005;
+  SeenDrive seen;
+  seen.arm();
+  EXPECT_FALSE(seen.swings(rig)) << "nothing is seen yet";
+  for (int quarter = 0; quarter < 5; ++quarter) seen.take(5e-3, 4.0, true);
+  EXPECT_FALSE(seen.swings(rig));
+  seen.take(4.98e-3, 4.0, true);
+  EXPECT_FALSE(seen.swings(rig)) << "0.4 %";
+  seen.take(4.97e-3, 4.0, true);
+  EXPECT_TRUE(seen.swings(rig)) << "0.6 %";
+}
+
 }  // namespace
 }  // namespace dwell

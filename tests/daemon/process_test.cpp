@@ -104,7 +104,8 @@ struct ProcessTest : testing::Test {
   pid_t child = -1;
 };
 
-TEST_F(ProcessTest, StopsWithinASecondOfSigtermAndTidiesUp) {
+// That it takes less than a second is claimed where the clock counts instructions: tests/vm/scenarios/10-service.sh.
+TEST_F(ProcessTest, StopsAtSigtermAndTidiesUp) {
   auto rig = rigsim::Server::start(test::clamped_rig());
   ASSERT_TRUE(rig);
   const std::string control = folder + "/control";
@@ -117,10 +118,8 @@ TEST_F(ProcessTest, StopsWithinASecondOfSigtermAndTidiesUp) {
   client.send("{\"verb\":\"status\"}\n");
   EXPECT_NE(client.until("\n").find("\"state\""), std::string::npos);
 
-  const auto asked = std::chrono::steady_clock::now();
   kill(child, SIGTERM);
   EXPECT_EQ(wait_for_end(), 0) << read("output");
-  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(1));
   EXPECT_TRUE(notified("STOPPING=1"));
   EXPECT_FALSE(std::filesystem::exists(control));
   const std::string log = read("dwelld.log");
