@@ -2,14 +2,15 @@
 # the user and with the rights that the unit says.
 status_says() { property StatusText | grep -E -- "$1" || { property StatusText; return 1; }; }
 journal_field() { log_of_service -ojson | jq -es "any(.$1 == \"$2\")"; }
-# From the command to the end of the process; the clock has microseconds since the start of the machine.
+# systemd forgets the unit with its times, so the clock is asked before and after.
+uptime_ms() { awk '{ printf "%.0f", $1 * 1000 }' /proc/uptime; }
 stops_within_a_second() {
-  local asked_us ended_us
-  asked_us=$(awk '{ printf "%.0f", $1 * 1e6 }' /proc/uptime)
+  local asked_ms took_ms
+  asked_ms=$(uptime_ms)
   systemctl stop dwelld || return 1
-  ended_us=$(property InactiveEnterTimestampMonotonic)
-  echo "took $((ended_us - asked_us)) us"
-  [ "$ended_us" -gt "$asked_us" ] && [ $((ended_us - asked_us)) -lt 1000000 ]
+  took_ms=$(($(uptime_ms) - asked_ms))
+  echo "took $took_ms ms"
+  [ "$took_ms" -lt 1000 ]
 }
 restarts() { [ "$(property NRestarts)" -ge "$1" ] || { property NRestarts; return 1; }; }
 
