@@ -11,6 +11,7 @@
 #include "core/motion/late_answers.hpp"
 #include "core/motion/level_crossings.hpp"
 #include "core/motion/noise_of_readings.hpp"
+#include "core/motion/search_starts.hpp"
 #include "core/motion/weak_form.hpp"
 #include "core/result/dwell.hpp"
 
@@ -33,11 +34,8 @@ constexpr double kMostFar = 0.003;       // … where no more than this part of 
 constexpr double kLeastMass = 0.05;      // part of a stated mass that is left where it is free
 constexpr int kPasses = 40;
 constexpr double kRough = 0.1;  // FitLimits::gain of fits that only start the next
-// Where the search starts. All of them halved or doubled at once, of forty rigs in random motion one, one and none come
-// to no estimate, and the rms error stays within its scatter (docs/figures.md).
-constexpr double kWanders = 1e-3;  // of the random walk of acceleration that alone would make the drive's sine
-// Of the table's first amplitude: what it starts with before it begins to move. The search comes down from there in a
-// few steps, but not up. With 1e-3, seven of a hundred ramps had no number; with 1, three.
+// Of the table's first amplitude: what the search starts with before it begins to move. The search comes down from
+// there in a few steps, but not up. With 1e-3, seven of a hundred ramps had no number; with 1, three.
 constexpr double kBeforeOnset = 1.0;
 constexpr double kUnseen = 1e-3;      // m, the table's amplitude where no channel shows it
 constexpr double kLeastNoise = 1e-3;  // of a channel's size, where readings hardly scatter from one to the next
@@ -55,13 +53,14 @@ class Course {
 
   MotionCourse run() {
     if (!prepare()) return std::move(out_);
-    std::size_t count = first_count();
+    std::size_t before = 0, count = first_count();
     start(kStretchGrowth * kStretchGrowth * count);
-    bool last = false;
-    for (bool first = true; !last; first = false) {
+    for (bool last = false; !last;) {
       last = count >= out_.data.readings.size();
-      if (!fit(std::min(count, out_.data.readings.size()), first, last)) return std::move(out_);
+      count = std::min(count, out_.data.readings.size());
+      if (!fit(before, count, last)) return std::move(out_);
       if (last && (mark_events() || leave_out_far())) last = false;
+      before = count;
       count *= kStretchGrowth;
     }
     add_stated();
@@ -127,10 +126,8 @@ class Course {
   }
 
   void add_stretch(std::int64_t from_ns, double amplitude) {
-    // A random walk with A² ω/2 per second would make a sine's acceleration.
-    const double omega0 = kTwoPi * rig_.excitation.frequency_hz;
     out_.data.stretches.push_back({from_ns, intensities_++});
-    ln_q_.push_back(std::log(std::max(kWanders * 0.5 * amplitude * amplitude * omega0, 1e-30)));
+    starts_.add_stretch(amplitude);
   }
 
   void measure_sizes() {
@@ -163,20 +160,15 @@ class Course {
     MotionData some{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                                                   out_.data.readings.size(), count))},
                     {}};
-    const WeakForm weak = weak_form(rig_, some);
-    const double omega = kTwoPi * rig_.excitation.frequency_hz;
-    double mass = 1.0;
-    if (!rig_.masses.empty()) mass = *std::max_element(rig_.masses.begin(), rig_.masses.end());
+    starts_.take_weak_form(weak_form(rig_, some));
     at_.theta.resize(static_cast<Index>(out_.parameters.size()));
     for (std::size_t a = 0; a < out_.parameters.size(); ++a) {
       const Parameter& p = out_.parameters[a];
       const auto i = static_cast<std::size_t>(p.index);
       double value = 0.0;
-      const double c = p.index < weak.stiffness.size() ? weak.stiffness(p.index) : kNaN;
-      const double r = p.index < weak.damping.size() ? weak.damping(p.index) : kNaN;
-      if (p.what == Unknown::stiffness) value = std::isfinite(c) ? c : mass * omega * omega;
-      if (p.what == Unknown::damping) value = std::isfinite(r) ? r : 0.1 * mass * omega;
-      if (p.what == Unknown::intensity) value = ln_q_[i];
+      if (p.what == Unknown::stiffness) value = starts_.coefficients()(2 * p.index);
+      if (p.what == Unknown::damping) value = starts_.coefficients()(2 * p.index + 1);
+      if (p.what == Unknown::intensity) value = starts_.ln_q(p.index);
       if (p.what == Unknown::noise)
         value = std::log(
             std::max({std::isfinite(out_.noise[i]) ? out_.noise[i] : 0.0, kLeastNoise * out_.size[i], 1e-300}));
@@ -218,13 +210,15 @@ class Course {
     return limits;
   }
 
-  bool fit(std::size_t count, bool first, bool whole) {
+  // To the first `count` readings; the fit before was to the first `before`, 0: this is the first.
+  bool fit(std::size_t before, std::size_t count, bool whole) {
     const MotionModel model = out_.model(rig_);
     MotionData part{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(count)},
                     out_.data.stretches};
     out_.limits = limits();
-    out_.fit = fit_motion(model, part, at_, out_.limits);
-    if (first) begin_from_above(model, part);
+    out_.fit = before == 0
+                   ? starts_.first(model, part, at_, out_.limits, out_.noise)
+                   : starts_.longer(model, part, at_, out_.limits, part.readings[std::min(before, count) - 1].t_ns);
     out_.passes += out_.fit.passes;
     out_.whole = whole;
     if (!std::isfinite(out_.fit.V)) return refuse("the likelihood is not finite");
@@ -232,18 +226,6 @@ class Course {
       return refuse("the estimate did not converge in " + std::to_string(out_.fit.passes) + " passes");
     at_ = out_.fit.at;
     return true;
-  }
-
-  // The first fit once more, from intensities that leave the table's whole motion to its process. The lower V of both
-  // starts is kept, for each has a lesser maximum of its own. From low intensities, noise of the table's channel may
-  // come to stand for what the table does beside its drive. From high ones, the search of a nearly pure drive may not
-  // come to its end.
-  void begin_from_above(const MotionModel& model, const MotionData& data) {
-    MotionUnknowns above = at_;
-    above.theta.segment(2 * rig_.element_count(), intensities_).array() -= std::log(kWanders);
-    MotionFit other = fit_motion(model, data, std::move(above), out_.limits);
-    if (other.V < out_.fit.V || !std::isfinite(out_.fit.V)) std::swap(out_.fit, other);
-    out_.passes += other.passes;
   }
 
   // Gives sudden changes of the table an intensity of their own. False: there is nothing to change.
@@ -366,7 +348,8 @@ class Course {
   std::size_t channels_ = 0;
   int intensities_ = 0;
   TableActivity activity_;
-  std::vector<double> ln_q_, mean_;
+  SearchStarts starts_{rig_};
+  std::vector<double> mean_;
   MotionUnknowns at_;
   bool marked_ = false, left_out_ = false;
   MotionCourse out_;

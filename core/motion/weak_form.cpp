@@ -136,6 +136,12 @@ std::vector<Series> series_of(const Rig& rig, const MotionData& data) {
 struct Normal {
   MatrixXd matrix = MatrixXd::Zero(2, 2);
   VectorXd right = VectorXd::Zero(2);
+  double squares = 0.0;  // of the left sides
+  void add(const Eigen::RowVector2d& row, double left) {
+    matrix += row.transpose() * row;
+    right += row.transpose() * left;
+    squares += left * left;
+  }
 };
 
 // The windows over [from, to], where every channel has readings.
@@ -195,9 +201,7 @@ class Windows {
         left += rig_.masses[static_cast<std::size_t>(k - 1)] * x.topRows(k + 1).col(2).sum();
         row << -x(k, 0), x(k, 1);
       }
-      Normal& of = to[static_cast<std::size_t>(k - 1)];
-      of.matrix += row.transpose() * row;
-      of.right += row.transpose() * (k == n + 1 ? force(0) : left);
+      to[static_cast<std::size_t>(k - 1)].add(row, k == n + 1 ? force(0) : left);
     }
   }
 
@@ -214,7 +218,7 @@ class Windows {
 WeakForm weak_form(const Rig& rig, const MotionData& data) {
   const int n = rig.mass_count(), elements = rig.element_count();
   WeakForm out;
-  out.stiffness = out.damping = VectorXd::Constant(elements, std::numeric_limits<double>::quiet_NaN());
+  out.stiffness = out.damping = out.coherence = VectorXd::Constant(elements, std::numeric_limits<double>::quiet_NaN());
   const std::vector<Series> all = series_of(rig, data);
   VectorXd weights = VectorXd::Zero(static_cast<Index>(all.size()));
   double from = -1e300, to = 1e300;
@@ -238,6 +242,7 @@ WeakForm weak_form(const Rig& rig, const MotionData& data) {
     const VectorXd solution = normal[e].matrix.colPivHouseholderQr().solve(normal[e].right);
     out.stiffness(static_cast<Index>(e)) = solution(0);
     out.damping(static_cast<Index>(e)) = solution(1);
+    out.coherence(static_cast<Index>(e)) = solution.dot(normal[e].right) / normal[e].squares;
   }
   return out;
 }

@@ -21,6 +21,9 @@ namespace dwell {
 
 struct WeakForm {
   Eigen::VectorXd stiffness, damping;  // per element; NaN where the channels do not determine it or no window fits
+  // Part of Σ left² that they explain, 0 … 1, γ² of modal testing. stiffness and damping are H1, too small by noise in
+  // d; divided by γ² they are H2, too large by noise in the left side. The truth lies between them.
+  Eigen::VectorXd coherence;
 };
 
 // data: by time, of all channels that count. Allocates; thread-safe. O(readings).

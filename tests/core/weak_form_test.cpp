@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
 #include "tests/core/motion_case.hpp"
 
@@ -36,6 +39,20 @@ TEST(WeakForm, GivesTheOneElementBetweenTableAndLoadCell) {
   const WeakForm found = weak_form(rig, readings_of(rig, driven, 0.0, 1.0, 400.0, {0, 0}, 1));
   EXPECT_NEAR(found.stiffness(0), 50000.0, 50.0);
   EXPECT_NEAR(found.damping(0), 120.0, 1.2);
+}
+
+// Noise of the deformation makes the coefficients too small (H1 of modal testing), noise of the force too large (H2).
+TEST(WeakForm, HasTheTruthBetweenItselfAndWhatItsCoherenceMakesOfIt) {
+  const Chain chain{Boundary::clamped, {}, {50000.0}, {120.0}};
+  const Rig rig = rig_of(chain, 8.0);
+  const Drive drive{8.0, 0.001, 0.0, 0.0};
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    DrivenChain driven(chain, drive, DrivenChain::Start::steady);
+    const WeakForm found =
+        weak_form(rig, readings_of(rig, driven, 0.0, 2.0, 80.0, part_of_steady(rig, chain, drive, 0.5), seed));
+    EXPECT_LT(found.stiffness(0), 0.97 * chain.stiffness[0]) << seed;
+    EXPECT_GT(found.stiffness(0) / found.coherence(0), 1.03 * chain.stiffness[0]) << seed;
+  }
 }
 
 // Two periods without readings: a cubic through what is on both sides is no motion.

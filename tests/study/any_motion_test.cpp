@@ -21,5 +21,18 @@ TEST(AnyMotion, CountsTheNoiseOfATableWhoseProcessWouldTakeItUp) {
   }
 }
 
+// In the first rig the weak form's coefficients are half of the true ones; of the other the first readings tell next to
+// nothing of its damping. The search came to no end: 98 % of a channel was left over, and a scale of 0.36 or a spring
+// that is not there "explained" the readings.
+TEST(AnyMotion, ComesToTheCoefficientsFromAPoorStart) {
+  for (const int index : {26, 71}) {
+    const MotionOutcome outcome = play_motion(draw_motion_case(TableKind::dwell, 1, index, 3), 20);
+    EXPECT_EQ(outcome.reason, "") << index;
+    EXPECT_EQ(outcome.advised, 0) << index;
+    EXPECT_EQ(outcome.errors.size(), 4U) << index;
+    for (const double error : outcome.errors) EXPECT_LT(std::abs(error), 4.0) << index;
+  }
+}
+
 }  // namespace
 }  // namespace dwell::study
