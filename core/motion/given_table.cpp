@@ -7,7 +7,6 @@
 #include "core/motion/covariance_filter.hpp"
 #include "core/motion/input_effect.hpp"
 #include "core/motion/interval_steps.hpp"
-#include "core/motion/motion_fit.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
@@ -16,9 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// ln q and ln σ may fall by this much below where they start: to a thousandth.
-constexpr double kLower = 7.0;
 
 // The states that the chain has no part in: the table's, and those of the filters of its transducers.
 std::vector<Index> states_of_table(const MotionModel& model, const LinearModel& linear) {
@@ -163,40 +159,6 @@ class GivenTable {
 std::vector<std::vector<MotionInnovation>> innovations_given_table(const MotionModel& model, const MotionData& data,
                                                                    const MotionUnknowns& unknowns) {
   return GivenTable(model, data, unknowns).run();
-}
-
-std::vector<std::vector<MotionInnovation>> innovations_of_table(const MotionModel& model, const MotionData& data,
-                                                                const MotionUnknowns& start) {
-  Rig rig = model.rig();
-  rig.boundary = Boundary::free;
-  rig.masses.clear();
-  rig.mass_u.clear();
-  for (Channel& channel : rig.channels)
-    if (!shows_drive(channel)) channel.measures = Quantity::auxiliary;
-  MotionData alone{{}, data.stretches};
-  for (const MotionReading& reading : data.readings)
-    if (shows_drive(rig.channels[static_cast<std::size_t>(reading.channel)])) alone.readings.push_back(reading);
-  if (alone.readings.empty()) return {};
-  std::vector<Parameter> parameters;
-  MotionUnknowns from;
-  FitLimits limits;
-  for (std::size_t a = 0; a < model.parameters().size(); ++a) {
-    const Parameter& p = model.parameters()[a];
-    const bool noise =
-        p.what == Unknown::noise && rig.channels[static_cast<std::size_t>(p.index)].measures != Quantity::auxiliary;
-    if (!noise && p.what != Unknown::intensity && p.what != Unknown::drive) continue;
-    parameters.push_back(p);
-    const auto size = static_cast<Index>(parameters.size());
-    from.theta.conservativeResize(size);
-    limits.lowest.conservativeResize(size);
-    from.theta(size - 1) = start.theta(static_cast<Index>(a));
-    limits.lowest(size - 1) = p.what == Unknown::drive ? -1e300 : from.theta(size - 1) - kLower;
-  }
-  const MotionModel table(rig, parameters);
-  from.initial = VectorXd::Zero(table.states());
-  from.bias = VectorXd::Zero(start.bias.size());
-  const MotionFit fit = fit_motion(table, alone, from, limits);
-  return evaluate(table, alone, fit.at, {.derivatives = false, .keep_innovations = true}).innovations;
 }
 
 }  // namespace dwell

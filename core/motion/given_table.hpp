@@ -24,11 +24,4 @@ namespace dwell {
                                                                                  const MotionData& data,
                                                                                  const MotionUnknowns& unknowns);
 
-// Innovations of the table's channels by themselves, per channel of the rig, the table's process fitted to them alone
-// from `start`, unknowns of `model`. If these are not white, the process is wrong, whatever the chain. Empty where
-// nothing shows the table. A few passes of a filter of few states.
-[[nodiscard]] std::vector<std::vector<MotionInnovation>> innovations_of_table(const MotionModel& model,
-                                                                              const MotionData& data,
-                                                                              const MotionUnknowns& start);
-
 }  // namespace dwell

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/motion/candidates.hpp"
+#include "core/motion/freer_table.hpp"
 #include "core/motion/missing_wording.hpp"
 #include "core/motion/refit.hpp"
 #include "core/motion/rig_mistakes.hpp"
@@ -32,6 +33,8 @@ constexpr double kWorthFitting = 0.2;
 // Beside a fit that has failed any other looks good. So a fit from the start explains the readings only if its chain
 // would not be refused, or if its residuals are a tenth as large.
 constexpr double kNearly = 0.01;
+// Standard deviations by which a term may move there: one right term in 400 moves further by chance.
+constexpr double kMoved = 3.0;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
@@ -92,7 +95,7 @@ class TermSearch {
       best = a;
       best_fit = fit;
     }
-    if (best < 0) return {};
+    if (best < 0 || !stands_beside_freer_table(best, best_fit)) return {};
     return named(best, best_fit, likely);
   }
 
@@ -130,6 +133,18 @@ class TermSearch {
     MissingTerm out = missing_term(rig_, candidate(a), fit.value, fit.u, fit.gain);
     out.moves.assign(fit.moves.begin(), fit.moves.end());
     return out;
+  }
+  // By how much the term moves beside a freer table, beyond chance, is an error of the table's process. With it as a
+  // part of u, the term must still be beyond chance.
+  [[nodiscard]] bool stands_beside_freer_table(Index a, const Refit& fit) const {
+    const MotionCourse freer = with_freer_table(rig_, course_);
+    if (!freer.fit.converged) return true;
+    const Refit other = refit_with(rig_, freer, candidate(a), freer.fit.at, fit.value);
+    if (!other.converged) return true;
+    const double by_chance = kMoved * std::sqrt(std::max(0.0, other.u * other.u - fit.u * fit.u));
+    Refit with_error = fit;
+    with_error.u = std::hypot(fit.u, std::max(0.0, std::abs(other.value - fit.value) - by_chance));
+    return evidence(a, with_error) >= limit_;
   }
   // The best and all that have the same effect.
   [[nodiscard]] Explanation named(Index best, const Refit& fit, const std::vector<Index>& likely) const {

@@ -10,6 +10,7 @@
 #include "core/base/instants.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
+#include "core/motion/freer_table.hpp"
 #include "core/motion/given_table.hpp"
 #include "core/motion/leftover.hpp"
 #include "core/motion/missing_terms.hpp"
@@ -85,8 +86,10 @@ class Report {
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
-      if (channel.unexplained > kNotLinear && channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
-        far_from_linear = true;  // says more than that the estimate did not converge
+      // Of a search that came to no end the noise may be anything.
+      if (channel.unexplained > kNotLinear && channel.u_noise > kMoreThanNoise * course_.noise[c] &&
+          course_.fit.converged && !far_from_linear) {
+        far_from_linear = true;
         out.contradicted = true;
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +
@@ -127,13 +130,6 @@ class Report {
   }
   [[nodiscard]] double reading_count() const { return std::accumulate(pass_.count.begin(), pass_.count.end(), 0.0); }
 
-  // Whether the table moves as its process does not have it, by its own readings.
-  [[nodiscard]] bool strange_table() const {
-    const auto alone = innovations_of_table(course_.model(rig_), course_.data, course_.fit.at);
-    return std::any_of(alone.begin(), alone.end(),
-                       [](const auto& innovations) { return whiteness_of(innovations).p < kContradicted; });
-  }
-
   // Channels behind the table whose whiteness has a p-value below by_chance. Only those where what is left is more than
   // `least`, a part of the channel's size.
   [[nodiscard]] std::vector<std::string> not_white(const MotionEstimate& out, double by_chance, double least) const {
@@ -159,12 +155,23 @@ class Report {
   void refuse_contradicted(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kContradicted, kDigits);
     if (names.empty()) return;
-    if (only_noise(out) && strange_table()) {
+    if (only_noise(out) && white_beside_freer_table()) {
       noise_may_hide_ = strange_;
       return;
     }
     out.contradicted = true;
     out.reason = "the chain of the rig file does not explain " + listed(names);
+  }
+
+  // Whether the chain explains its channels if the table's process foretells less: what they leave over comes of the
+  // process then.
+  [[nodiscard]] bool white_beside_freer_table() const {
+    const MotionCourse freer = with_freer_table(rig_, course_);
+    if (!freer.fit.converged) return false;
+    const auto given = innovations_given_table(freer.model(rig_), freer.data, freer.fit.at);
+    return std::all_of(given.begin(), given.end(), [](const auto& innovations) {
+      return innovations.empty() || whiteness_of(innovations).p >= kContradicted;
+    });
   }
 
   // The information overstates where the innovations are not white. The sandwich form then takes its place, never

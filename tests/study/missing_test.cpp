@@ -8,9 +8,20 @@ namespace dwell::study {
 namespace {
 
 // In a swell the terms of a chain made up for what a wandering table does not foresee: a spring and a damper to ground,
-// a delay. Four of 640 healthy rigs were told of one. These three no longer are; the fourth still is (docs/figures.md).
+// a delay. Four of 640 healthy rigs were told of one (docs/figures.md).
 TEST(Missing, NothingIsMissingInAHealthyRigThatASwellMoves) {
   for (const auto& [seed, index] : {std::pair{77, 9}, std::pair{1001, 121}, std::pair{1001, 133}}) {
+    const FaultOutcome outcome = play_fault(MissingFault::none, static_cast<std::uint64_t>(seed), index, 2, 20);
+    EXPECT_EQ(outcome.skipped, "");
+    EXPECT_FALSE(outcome.detected) << outcome.told;
+  }
+}
+
+// Three of 1000 healthy rigs were told of a spring or a damper to ground, or of a cubic stiffness: two move by tones,
+// one is driven far above its natural frequency. The last was refused as well. What they were told of changes by ten of
+// its u beside a table of which the process foretells less.
+TEST(Missing, NothingIsMissingInAHealthyRigWhoseTableIsMoreRegularThanItsProcess) {
+  for (const auto& [seed, index] : {std::pair{1001, 149}, std::pair{2002, 19}, std::pair{2002, 331}}) {
     const FaultOutcome outcome = play_fault(MissingFault::none, static_cast<std::uint64_t>(seed), index, 2, 20);
     EXPECT_EQ(outcome.skipped, "");
     EXPECT_FALSE(outcome.detected) << outcome.told;
