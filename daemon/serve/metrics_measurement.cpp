@@ -1,5 +1,6 @@
 #include <array>
 
+#include "core/rig/unstated.hpp"
 #include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/metrics.hpp"
 
@@ -46,6 +47,9 @@ void write_coefficients(const ServiceView& now, Exposition& out) {
   };
   write(names.stiffness, &ElementEstimate::stiffness, "stiffness");
   write(names.damping, &ElementEstimate::damping, "damping");
+  out.gauge("dwell_unstated_info",
+            "1 beside each uncertainty that the rig file does not state. The 95 % intervals do not cover it.");
+  for (const std::string& what : unstated_uncertainties(now.rig)) out.sample(1.0, {{"what", what}});
   out.gauge("dwell_loss_factor_ratio", "The element's loss factor, omega r / c.");
   each_element(now, [&](const ElementEstimate& e, const auto& labels) { out.sample(e.loss_factor.value, labels); });
 }

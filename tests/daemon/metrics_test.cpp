@@ -47,6 +47,20 @@ TEST_F(Metrics, ARotatingRigHasItsOwnUnits) {
   EXPECT_NE(of("dwell_stiffness_newton_meters_per_radian"), "");
 }
 
+TEST_F(Metrics, WhatTheIntervalsDoNotCoverIsNamed) {
+  for (Channel& channel : rig.channels) {
+    channel.scale_u = 1e-3;
+    channel.delay_u_s = 1e-6;
+  }
+  rig.mass_u.assign(rig.masses.size(), 0.1);
+  EXPECT_EQ(of("dwell_unstated_info"), "");
+  rig.mass_u.clear();
+  rig.channels[0].scale_u = 0.0;
+  EXPECT_EQ(of("dwell_unstated_info"),
+            "dwell_unstated_info{what=\"masses 1 and 2\"} 1\ndwell_unstated_info{what=\"scale of " +
+                rig.channels[0].name + "\"} 1\n");
+}
+
 TEST_F(Metrics, ADoubtIsToldBesideTheNumbersItNames) {
   snapshot.dwell.doubts = {{{3}, "its c is negative"}};
   EXPECT_NE(of("dwell_element_standing").find("{element=\"3\",standing=\"doubtful\"} 1\n"), std::string::npos);
