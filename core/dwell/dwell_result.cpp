@@ -13,25 +13,12 @@ namespace {
 // like that even if nothing decays. Halved: slow rigs go without a time for longer. Doubled: more times that mean
 // nothing.
 constexpr double kFarthest = 100.0;
-// Largest part of a channel's readings that may be left out as foreign while a time left is stated. Above it, some
-// foreign readings pass the gates and are fitted as a transient, and all channels share its poles. A float32 in the
-// wrong order of words has 6 to 9 % left out. A gateway's zeros are at most 2 % where the poles are still right.
-// Halved, it comes near those zeros. Doubled, it misses the float32.
-constexpr double kMostForeign = 0.05;
 // Assumed mean of errors over their standard deviation: right if they lie evenly between 0 and a largest one, or if
 // three quarters of the readings have one and the same. More than that is not covered.
 constexpr double kMeanOverScatter = std::numbers::sqrt3;
 // From this part of a phasor's other uncertainty on, uneven readings are told: they widen it by 12 %. Halved: warnings
 // of 3 %. Doubled: 41 % go unsaid.
 constexpr double kUnevenMatters = 0.5;
-
-double foreign_part(const LiveChannels& live, const Rig& rig) {
-  double most = 0.0;
-  for (int c = 0; c < live.count(); ++c)
-    if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary)
-      most = std::max(most, live[c].intake().left_out());
-  return most;
-}
 
 }  // namespace
 
@@ -215,7 +202,7 @@ void Pipeline::Impl::tell_not_settled(Dwell& dwell) const {
     if (tracker.seen_swinging())
       dwell.settling_reason +=
           ". Seen: " + tracker.unsteady_reason(to_s(now_ns - at.armed_ns), live[drive_channel()].sampling());
-  } else if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
+  } else if (barred_reason().empty() && foreign_channel() < 0 &&
              verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns)) {
     dwell.settles_in_s = verdict.settles_in_s;
   }

@@ -398,6 +398,8 @@ TEST_F(DisturbedReadings, GarbageThroughoutLeavesNoTimeUntilTheDwellSettles) {
       if (dwell.state != State::settling) continue;
       EXPECT_TRUE(std::isnan(dwell.settles_in_s))
           << rig.channels[channel].name << " after " << until_s << " s: " << dwell.settles_in_s << all(dwell);
+      EXPECT_EQ(dwell.settling_reason.find("transient left"), std::string::npos) << dwell.settling_reason;
+      EXPECT_NE(dwell.settling_reason.find(rig.channels[channel].name), std::string::npos) << dwell.settling_reason;
     }
   }
 }
