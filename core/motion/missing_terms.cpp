@@ -34,7 +34,7 @@ constexpr double kWorthFitting = 0.2;
 // would not be refused, or if its residuals are a tenth as large.
 constexpr double kNearly = 0.01;
 // Standard deviations by which a term may move there: one right term in 400 moves further by chance.
-constexpr double kMoved = 3.0;
+constexpr double kMovedByChance = 3.0;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
@@ -141,7 +141,7 @@ class TermSearch {
     if (!freer.fit.converged) return true;
     const Refit other = refit_with(rig_, freer, candidate(a), freer.fit.at, fit.value);
     if (!other.converged) return true;
-    const double by_chance = kMoved * std::sqrt(std::max(0.0, other.u * other.u - fit.u * fit.u));
+    const double by_chance = kMovedByChance * std::sqrt(std::max(0.0, other.u * other.u - fit.u * fit.u));
     Refit with_error = fit;
     with_error.u = std::hypot(fit.u, std::max(0.0, std::abs(other.value - fit.value) - by_chance));
     return evidence(a, with_error) >= limit_;
