@@ -33,7 +33,7 @@ constexpr double kWorthFitting = 0.2;
 // Beside a fit that has failed any other looks good. So a fit from the start explains the readings only if its chain
 // would not be refused, or if its residuals are a tenth as large.
 constexpr double kNearly = 0.01;
-// Standard deviations by which a term may move there: one right term in 400 moves further by chance.
+// Standard deviations by which a term may move beside a freer table: one right term in 400 moves further by chance.
 constexpr double kMovedByChance = 3.0;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
