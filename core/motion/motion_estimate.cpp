@@ -86,10 +86,10 @@ class Report {
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
-      // Beyond 1 the search went astray: noise of the channel's own size explains any reading.
-      if (channel.unexplained > kNotLinear && channel.unexplained < 1 &&
-          channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
-        far_from_linear = true;  // says more than that the estimate did not converge
+      // Of a search that came to no end the noise may be anything.
+      if (channel.unexplained > kNotLinear && channel.u_noise > kMoreThanNoise * course_.noise[c] &&
+          course_.fit.converged && !far_from_linear) {
+        far_from_linear = true;
         out.contradicted = true;
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +
