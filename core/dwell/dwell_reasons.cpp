@@ -92,7 +92,6 @@ std::string Pipeline::Impl::left_out_of_dwell() const {
   return "; the first " + brief(left_s, 2) + " s do not count: the drive's frequency was not known yet";
 }
 
-// The first channel of whose readings too many are left out as foreign; -1: none.
 int Pipeline::Impl::foreign_channel() const {
   for (int c = 0; c < live.count(); ++c)
     if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary &&
@@ -108,9 +107,9 @@ std::string Pipeline::Impl::settling_reason() const {
       return "the transient seems to be over, but readings are rounded: more data must confirm it";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       if (const int c = foreign_channel(); c >= 0)
-        return "of " + rig.channels[static_cast<std::size_t>(c)].name + " " + percent(live[c].intake().left_out()) +
-               " of the readings are left out, beyond its range or far from all others, and the rest cannot be told "
-               "from a transient: check the transducer, its data type and word order";
+        return percent(live[c].intake().left_out()) + " of the readings of " +
+               rig.channels[static_cast<std::size_t>(c)].name +
+               " are beyond its range or far from all others: check the transducer, its data type and word order";
       const std::string times = std::to_string(verdict.worst_left);
       return taken_back_reason() + "transient left in " +
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": up to " +

@@ -230,6 +230,7 @@ struct Pipeline::Impl {
   void tell_not_settled(Dwell& dwell) const;
   void tell_settled(Dwell& dwell) const;
   [[nodiscard]] std::string settling_reason() const;
+  // The first channel with too many readings left out as foreign; -1: none.
   [[nodiscard]] int foreign_channel() const;
   [[nodiscard]] std::string left_out_of_dwell() const;
   [[nodiscard]] std::string taken_back_reason() const;

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/motion/candidates.hpp"
-#include "core/motion/freer_table.hpp"
+#include "core/motion/inflated_process.hpp"
 #include "core/motion/missing_wording.hpp"
 #include "core/motion/refit.hpp"
 #include "core/motion/rig_mistakes.hpp"
@@ -33,7 +33,8 @@ constexpr double kWorthFitting = 0.2;
 // Beside a fit that has failed any other looks good. So a fit from the start explains the readings only if its chain
 // would not be refused, or if its residuals are a tenth as large.
 constexpr double kNearly = 0.01;
-// Standard deviations by which a term may move beside a freer table: one right term in 400 moves further by chance.
+// Standard deviations by which a term may move when the process noise is inflated: chance moves one right term in 400
+// further.
 constexpr double kMovedByChance = 3.0;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
@@ -95,7 +96,7 @@ class TermSearch {
       best = a;
       best_fit = fit;
     }
-    if (best < 0 || !stands_beside_freer_table(best, best_fit)) return {};
+    if (best < 0 || !stands_with_inflated_noise(best, best_fit)) return {};
     return named(best, best_fit, likely);
   }
 
@@ -134,12 +135,13 @@ class TermSearch {
     out.moves.assign(fit.moves.begin(), fit.moves.end());
     return out;
   }
-  // By how much the term moves beside a freer table, beyond chance, is an error of the table's process. With it as a
-  // part of u, the term must still be beyond chance.
-  [[nodiscard]] bool stands_beside_freer_table(Index a, const Refit& fit) const {
-    const MotionCourse freer = with_freer_table(rig_, course_);
-    if (!freer.fit.converged) return true;
-    const Refit other = refit_with(rig_, freer, candidate(a), freer.fit.at, fit.value);
+  // A term moves when the process noise of the table is inflated. What of that is beyond chance is an error of the
+  // process. The term must still be beyond chance with this error as a part of its u. If the inflated fit comes to no
+  // end, nothing is known of such an error.
+  [[nodiscard]] bool stands_with_inflated_noise(Index a, const Refit& fit) const {
+    const MotionCourse inflated = with_inflated_process_noise(rig_, course_);
+    if (!inflated.fit.converged) return true;
+    const Refit other = refit_with(rig_, inflated, candidate(a), inflated.fit.at, fit.value);
     if (!other.converged) return true;
     const double by_chance = kMovedByChance * std::sqrt(std::max(0.0, other.u * other.u - fit.u * fit.u));
     Refit with_error = fit;

@@ -210,7 +210,7 @@ class Course {
     return limits;
   }
 
-  // To the first `count` readings; the fit before was to the first `before`, 0: this is the first.
+  // Fits the first `count` readings. The fit before had the first `before`; 0: there was none.
   bool fit(std::size_t before, std::size_t count, bool whole) {
     const MotionModel model = out_.model(rig_);
     MotionData part{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(count)},

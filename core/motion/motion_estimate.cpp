@@ -10,8 +10,8 @@
 #include "core/base/instants.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
-#include "core/motion/freer_table.hpp"
 #include "core/motion/given_table.hpp"
+#include "core/motion/inflated_process.hpp"
 #include "core/motion/leftover.hpp"
 #include "core/motion/missing_terms.hpp"
 #include "core/motion/missing_wording.hpp"
@@ -70,7 +70,6 @@ class Report {
   [[nodiscard]] double theta(Index a) const { return course_.fit.at.theta(a); }
 
   void add_channels(MotionEstimate& out) {
-    bool far_from_linear = false;
     for (std::size_t a = 0; a < course_.parameters.size(); ++a) {
       const Parameter& p = course_.parameters[a];
       if (p.what != Unknown::noise) continue;
@@ -86,10 +85,9 @@ class Report {
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
-      // Of a search that came to no end the noise may be anything.
+      // The fitted noise means nothing if the search has not converged. The first such channel is named.
       if (channel.unexplained > kNotLinear && channel.u_noise > kMoreThanNoise * course_.noise[c] &&
-          course_.fit.converged && !far_from_linear) {
-        far_from_linear = true;
+          course_.fit.converged && !out.contradicted) {
         out.contradicted = true;
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +
@@ -155,7 +153,7 @@ class Report {
   void refuse_contradicted(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kContradicted, kDigits);
     if (names.empty()) return;
-    if (only_noise(out) && white_beside_freer_table()) {
+    if (only_noise(out) && white_with_inflated_noise()) {
       noise_may_hide_ = strange_;
       return;
     }
@@ -163,12 +161,12 @@ class Report {
     out.reason = "the chain of the rig file does not explain " + listed(names);
   }
 
-  // Whether the chain explains its channels if the table's process foretells less: what they leave over comes of the
-  // process then.
-  [[nodiscard]] bool white_beside_freer_table() const {
-    const MotionCourse freer = with_freer_table(rig_, course_);
-    if (!freer.fit.converged) return false;
-    const auto given = innovations_given_table(freer.model(rig_), freer.data, freer.fit.at);
+  // Whether the residuals of the chain's channels are noise once the process noise of the table is inflated. The
+  // process is to blame for them then, not the chain.
+  [[nodiscard]] bool white_with_inflated_noise() const {
+    const MotionCourse inflated = with_inflated_process_noise(rig_, course_);
+    if (!inflated.fit.converged) return false;
+    const auto given = innovations_given_table(inflated.model(rig_), inflated.data, inflated.fit.at);
     return std::all_of(given.begin(), given.end(), [](const auto& innovations) {
       return innovations.empty() || whiteness_of(innovations).p >= kContradicted;
     });

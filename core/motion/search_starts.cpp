@@ -18,11 +18,11 @@ using Eigen::VectorXd;
 // other starting values, of forty rigs in random motion one, one and none come to no estimate, and the rms error stays
 // within its scatter (docs/figures.md).
 constexpr double kWanders = 1e-3;
-const double kAbove = -std::log(kWanders);  // from there to all of that walk
-// Loss factor of an element of which nothing is known.
+const double kAbove = -std::log(kWanders);  // from ln q of that part to ln q of the whole walk
+// Loss factor to begin with where the readings tell none. The search changes it within a few steps.
 constexpr double kLossFactor = 0.1;
 
-// Goes on with whatever fit has the lower V; its passes are those of both.
+// Keeps the fit with the lower V. Its passes are those of both.
 void keep_lower(MotionFit& fit, MotionFit other) {
   const int passes = fit.passes + other.passes;
   if (other.V < fit.V || !std::isfinite(fit.V)) fit = std::move(other);
@@ -63,7 +63,7 @@ void SearchStarts::take_weak_form(const WeakForm& weak) {
   for (Index e = 0; e < weak.coherence.size(); ++e) {
     if (!(weak.coherence(e) > 0)) continue;
     largest_.segment(2 * e, 2) /= weak.coherence(e);
-    // With little coherence the damping is noise of a large stiffness.
+    // A small coherence makes H2 of the stiffness large. The damping beside it is then mostly noise.
     const double most = kLossFactor * std::abs(largest_(2 * e)) / omega;
     largest_(2 * e + 1) = std::clamp(largest_(2 * e + 1), -most, most);
   }
@@ -91,10 +91,10 @@ MotionFit SearchStarts::longer(const MotionModel& model, const MotionData& data,
   return fit;
 }
 
-// A stretch that had just begun where the last fit ended has an intensity by a few readings. It may be next to none,
-// and so may that of a pure sine. Where the table then moves otherwise, or the stretches after it begin too low, the
-// search goes astray. So it goes on from the lowest V of four: that stretch as it is or begun again, low or high; and
-// those after it low or high.
+// The intensity of the newest stretch so far may be next to none: few readings tell of it, or the table moved as a pure
+// sine. If the table moves differently from there on, a search from this intensity comes to no end. The same holds if
+// later stretches begin with too little. So V is compared for four starts: the newest intensity as it is, reset low, or
+// reset high with all later ones; and only the later ones high.
 MotionUnknowns SearchStarts::with_newest_again(const MotionModel& model, const MotionData& data,
                                                const MotionUnknowns& at, std::int64_t fitted_ns) const {
   int newest = 0;

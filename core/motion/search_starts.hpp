@@ -1,11 +1,10 @@
 // Where the search for the largest likelihood of a motion begins. The likelihood has lesser maxima, in which noise
-// stands for motion, and valleys in which a search comes to no end. So a fit has several starts, and the lowest V of
-// all of them is kept.
+// stands for motion, and valleys in which a search comes to no end. So a fit is searched from several starts, and the
+// lowest V is kept.
 //
-//   the first readings   the weak form's coefficients, once with an intensity of the table far below what its amplitude
-//                        would need, once with all of it; and if more than noise is left, the weak form's coefficients
-//                        over its coherence
-//   more readings        where the fit before ended; and if that search comes to no end, the weak form's coefficients
+// First readings: the coefficients of the weak form, with a small intensity of the table; the same with a large one. If
+// more than noise is left, also H2, the coefficients of the weak form divided by its coherence.
+// More readings: the end of the fit before. If that search comes to no end, also the coefficients of the weak form.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +17,8 @@
 
 namespace dwell {
 
-// Bound to one thread; the rig must outlive it. Fits allocate; their `passes` are those of all starts.
+// Bound to one thread; the rig must outlive it. A fit allocates, may not have converged, and counts the passes of all
+// its starts. Throws Stopped as fit_motion() does.
 class SearchStarts {
  public:
   explicit SearchStarts(const Rig& rig) : rig_(rig) {}

@@ -21,8 +21,9 @@ namespace dwell {
 
 struct WeakForm {
   Eigen::VectorXd stiffness, damping;  // per element; NaN where the channels do not determine it or no window fits
-  // Part of Σ left² that they explain, 0 … 1, γ² of modal testing. stiffness and damping are H1, too small by noise in
-  // d; divided by γ² they are H2, too large by noise in the left side. The truth lies between them.
+  // Per element, 0 … 1: the part of Σ left² that its coefficients explain, γ² of modal testing; NaN as above. The
+  // coefficients are H1, too small by noise in d. Divided by γ² they are H2, too large by noise in the left side.
+  // Source: J. S. Bendat, A. G. Piersol, Random Data: frequency response with noise at input and output.
   Eigen::VectorXd coherence;
 };
 

@@ -22,8 +22,8 @@ void expect_coefficients(const MotionEstimate& found, const Chain& chain, double
   }
 }
 
-// A pure sine leaves next to nothing for the table's process. Just after the first 400 readings the table falls to a
-// fifth: with the intensity of the sine all motion was taken for noise.
+// While the table moves as a pure sine, the intensity of its process falls to next to nothing. Just before the 400th
+// reading the amplitude falls to a fifth. From that intensity the search of more readings came to no end.
 TEST(MotionStarts, ComeToTheCoefficientsWhereAPureSineEndsSuddenly) {
   const Chain chain{Boundary::clamped, {8.67951, 9.62503}, {31489.4, 15715.3, 5706.0}, {85.0834, 118.977, 32.1}};
   const Rig rig = rig_of(chain, 4.0);

@@ -21,9 +21,9 @@ TEST(AnyMotion, CountsTheNoiseOfATableWhoseProcessWouldTakeItUp) {
   }
 }
 
-// In the first rig the weak form's coefficients are half of the true ones; of the other the first readings tell next to
-// nothing of its damping. The search came to no end: 98 % of a channel was left over, and a scale of 0.36 or a spring
-// that is not there "explained" the readings.
+// The search came to no end in these two healthy rigs. In the first one the weak form gives half of each coefficient:
+// 98 % of a channel was left over, and a scale of 0.36 was advised. In the second one the first readings hardly tell
+// the damping: a spring was advised.
 TEST(AnyMotion, ComesToTheCoefficientsFromAPoorStart) {
   for (const int index : {26, 71}) {
     const MotionOutcome outcome = play_motion(draw_motion_case(TableKind::dwell, 1, index, 3), 20);

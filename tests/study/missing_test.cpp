@@ -17,9 +17,9 @@ TEST(Missing, NothingIsMissingInAHealthyRigThatASwellMoves) {
   }
 }
 
-// Three of 1000 healthy rigs were told of a spring or a damper to ground, or of a cubic stiffness: two move by tones,
-// one is driven far above its natural frequency. The last was refused as well. What they were told of changes by ten of
-// its u beside a table of which the process foretells less.
+// Three of 1000 healthy rigs were told of a spring to ground, a damper to ground or a cubic stiffness. The first is
+// driven far above its natural frequency, the others have tables that move in tones. The third was refused as well.
+// With inflated process noise the three values move by 4 … 6 of their u.
 TEST(Missing, NothingIsMissingInAHealthyRigWhoseTableIsMoreRegularThanItsProcess) {
   for (const auto& [seed, index] : {std::pair{1001, 149}, std::pair{2002, 19}, std::pair{2002, 331}}) {
     const FaultOutcome outcome = play_fault(MissingFault::none, static_cast<std::uint64_t>(seed), index, 2, 20);
